@@ -158,6 +158,8 @@ class cell {
 
   using element = lane_type<real>;  ///< double or float
 
+  static constexpr bool sets_forces = Purpose == purpose::force;
+
   SUTURE_INLINE cell(const suture_context* context, const batch_of<T>* batch, int lane,
                      element* force = nullptr, const element* dx = nullptr,
                      const element* dv = nullptr)
@@ -232,7 +234,7 @@ class cell {
                   "trial() writes a column without a trial copy: declare its attribute with "
                   ".trial()");
     constexpr int index[] = {cell_column<Places>()...};
-    if constexpr (!is_dual<T> && Purpose == purpose::force)
+    if constexpr (!is_dual<T> && sets_forces)
       store(batch_->trial_columns[index[which]] + component * stride + lane_, value);
   }
 
@@ -291,7 +293,7 @@ class cell {
   /// Sets the force on a node, N. Every node must be set exactly once: the array is not
   /// cleared beforehand. With dual numbers the derivative is stored.
   SUTURE_INLINE void force(int node, const vec3<T>& f) const {
-    static_assert(Purpose == purpose::force, "forces may be set only in the functor's force()");
+    static_assert(sets_forces, "forces may be set only in the functor's force()");
     SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
     for (int c = 0; c < 3; ++c) {
       element* const p = force_ + (node * 3 + c) * stride + lane_;

@@ -136,16 +136,9 @@ struct point_measures {
 /// What parallelepipeds and general hexahedra have in common. `Shape` provides
 /// with_geometry<Q>(cell, work), which calls work(geometry).
 template <class M, class Shape>
-struct continuum_law : on_volumes {
-  static_assert(check_law<M>());
+struct continuum_functor : law_functor<M, Shape, 8> {
   static constexpr const char* doc = "Nodal forces of the stress";
-  static constexpr bool element_parameters = varies<M>;
   static constexpr bool single_tangent = true;
-
-  template <class Cell>
-  static SUTURE_INLINE void positions(const Cell& c, vec3<typename Cell::scalar> (&x)[8]) {
-    for (int n = 0; n < 8; ++n) x[n] = c.position(n);
-  }
 
   template <class Cell>
   static SUTURE_INLINE void force(const Cell& c) {
@@ -159,27 +152,19 @@ struct continuum_law : on_volumes {
     });
   }
 
-  static constexpr auto fields = fields_of_law<M>();
-
-  template <class Cell, class Results>
-  static void output(const Cell& c, const Results& out) {
-    using T = typename Cell::scalar;
-    mean_results<M, T> means;
-    deformations(
-        c, [&](const mat3<T>& F, const T& w, int point) { means.template add<8>(c, F, w, point); });
-    means.set(out);
-  }
-
- protected:
-  template <class Cell, class Visit>
-  static void deformations(const Cell& c, Visit&& visit) {
+  static constexpr int most_points = has_points<M> ? 27 : 8;
+  template <class Cell>
+  [[gnu::noinline]] static deformed_element<typename Cell::scalar, most_points> deformed(
+      const Cell& c) {
+    deformed_element<typename Cell::scalar, most_points> e;
     points(c, [&](auto q) {
       Shape::template with_geometry<q()>(c, [&](const auto& g) {
         vec3<typename Cell::scalar> x[8];
-        positions(c, x);
-        for_deformations<q()>(x, g, visit);
+        continuum_functor::positions(c, x);
+        for_deformations<q()>(x, g, [&](const auto& F, const auto& w) { e.add(F, w); });
       });
     });
+    return e;
   }
 
  private:
@@ -201,7 +186,7 @@ struct continuum_law : on_volumes {
   static __attribute__((noinline)) void force_with(const Cell& c, const Geometry& g) {
     using T = typename Cell::scalar;
     vec3<T> x[8], f[8];
-    positions(c, x);
+    continuum_functor::positions(c, x);
     if constexpr (is_isotropic<M> && is_box<Geometry>) {
       const auto constants = M::isotropic(material<M>(c));
       isotropic_box_force<Q>(x, g, T(constants.lambda), T(constants.mu), f);
@@ -221,7 +206,7 @@ struct continuum_law : on_volumes {
     using R = typename Cell::real;
     vec3<dual<R>> moving[8], f[8];
     vec3<R> x[8], dx[8], df[8];
-    positions(c, moving);
+    continuum_functor::positions(c, moving);
     for (int i = 0; i < 24; ++i) {
       x[i / 3][i % 3] = moving[i / 3][i % 3].value;
       dx[i / 3][i % 3] = moving[i / 3][i % 3].derivative;
@@ -241,21 +226,6 @@ struct continuum_law : on_volumes {
   }
 };
 
-/// Has an energy if the law has one.
-template <class M, class Shape, bool = has_energy_density<M>>
-struct continuum_functor : continuum_law<M, Shape> {};
-template <class M, class Shape>
-struct continuum_functor<M, Shape, true> : continuum_law<M, Shape> {
-  template <class Cell>
-  static typename Cell::scalar energy(const Cell& c) {
-    typename Cell::scalar sum(0.0);
-    continuum_law<M, Shape>::deformations(c, [&](const auto& F, const auto& w, int point) {
-      sum += w * called_energy<M>(F, material<M>(c), instant_at<M, 8>(c, F, point));
-    });
-    return sum;
-  }
-};
-
 template <class M>
 struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
   static constexpr const char* name = "parallelepipeds";
@@ -269,10 +239,10 @@ struct parallelepipeds : continuum_functor<M, parallelepipeds<M>> {
   static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
     using R = typename Cell::real;
     mat3<R> inverse_j;
-    if (all(read_inverse(c, jacobian, inverse_j) == 0.0))
-      work(box_geometry<R, Q>(inverse_j));
-    else
-      work(parallelepiped_geometry<R, Q>(inverse_j));
+    const bool is_box = all(read_inverse(c, jacobian, inverse_j) == 0.0);
+    if constexpr (has_box_path<Cell>)
+      if (is_box) return work(box_geometry<R, Q>(inverse_j));
+    work(parallelepiped_geometry<R, Q>(inverse_j));
   }
 };
 
@@ -290,8 +260,7 @@ struct parallelepiped_parts : continuum_functor<M, parallelepiped_parts<M>> {
     mat3<R> inverse_j;
     const bool is_box = all(read_inverse(c, jacobian, inverse_j) == 0.0);
     const part_moments<R> part = read_part(c);
-    // Tangents of boxes would take the compiler longer than they save a run.
-    if constexpr (!is_dual<typename Cell::scalar>)
+    if constexpr (has_part_of_box_path<Cell>)
       if (is_box) return work(part_geometry<box_geometry<R, Q>, R, Q>(inverse_j, part));
     work(part_geometry<parallelepiped_geometry<R, Q>, R, Q>(inverse_j, part));
   }

@@ -125,7 +125,7 @@ SUTURE_INLINE void isotropic_box_force(const vec3<T> (&x)[8], const Box& box, co
   scatter<Q>(s, f);
 }
 
-/// Calls visit(F, w det J, number) at every Gauss point, for integrals and averages.
+/// Calls visit(F, w det J) at every Gauss point, for integrals and averages.
 template <int Q, class T, class Geometry, class Visit>
 SUTURE_INLINE void for_deformations(const vec3<T> (&x)[8], const Geometry& geometry,
                                     Visit&& visit) {
@@ -133,15 +133,14 @@ SUTURE_INLINE void for_deformations(const vec3<T> (&x)[8], const Geometry& geome
   geometry.start(g);
   for_each_point<Q, false>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
     const auto point = geometry.point(i, j, k);
-    visit(point.F(g.at(i, j, k)), point.measure() * (common_weight<Q> * point_weight<Q>(i, j, k)),
-          point_number<Q>(i, j, k));
+    visit(point.F(g.at(i, j, k)), point.measure() * (common_weight<Q> * point_weight<Q>(i, j, k)));
   });
 }
 
 /// Exact volume: det J has degree 2 in each local coordinate.
 template <class T>
 SUTURE_INLINE T volume(const vec3<T> (&X)[8]) {
-  const axis_values<T, 2> g = gradients<2>(X);
+  const axis_values<T, 2> g = called_gradients<2>(X);
   T sum(0.0);
   for (int p = 0; p < 8; ++p) sum += det(g.at(p & 1, (p >> 1) & 1, p >> 2));
   return sum * 0.125;

@@ -151,6 +151,12 @@ SUTURE_INLINE void scatter(const axis_values<T, Q>& s, vec3<T> (&f)[8]) {
   }
 }
 
+/// The same as a function of its own.
+template <int Q, class T>
+[[gnu::noinline]] void called_scatter(const axis_values<T, Q>& s, vec3<T> (&f)[8]) {
+  scatter<Q>(s, f);
+}
+
 }  // namespace suture
 
 #endif

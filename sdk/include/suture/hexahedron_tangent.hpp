@@ -32,7 +32,10 @@ SUTURE_INLINE void internal_tangent(const vec3<T> (&x)[8], const vec3<T> (&dx)[8
       point.add_flux(dP * point_weight<Q>(i, j, k), s);
   });
   geometry.finish(s);
-  scatter<Q>(s, df);
+  if constexpr (Unrolled)
+    scatter<Q>(s, df);
+  else
+    called_scatter<Q>(s, df);
 }
 
 /// F'dF + dF'F, twice the derivative of the Green-Lagrange strain.

@@ -176,6 +176,12 @@ SUTURE_INLINE R read_inverse(const Cell& c, Column jacobian, mat3<R>& inverse_j)
   }
   return skew;
 }
+/// Whether boxes, and parts of them, have a path of their own. Elsewhere it would take the compiler
+/// longer than it saves a run.
+template <class Cell>
+inline constexpr bool has_box_path = Cell::sets_forces;
+template <class Cell>
+inline constexpr bool has_part_of_box_path = Cell::sets_forces && !is_dual<typename Cell::scalar>;
 template <class Cell>
 SUTURE_INLINE part_moments<typename Cell::real> read_part(const Cell& c) {
   const auto moment = [&](int i) SUTURE_DETAIL_INLINED { return c.column(element_part, i); };
@@ -206,41 +212,6 @@ SUTURE_INLINE mat3<T> stress_tangent_at(const Cell& c, const mat3<T>& F, const m
     return dP;
   }
 }
-
-/// What the fields of an element are means of.
-template <class M, class T>
-struct mean_results {
-  T volume{0.0}, energy{0.0};
-  sym3<T> stress{};
-  state_of<M, T> state{};
-
-  template <int Points, class Cell>
-  void add(const Cell& c, const mat3<T>& F, const T& w, int point) {
-    add(F, w, material<M>(c), instant_at<M, Points>(c, F, point));
-  }
-  /// One function for all shapes.
-  template <class Material, class At>
-  [[gnu::noinline]] void add(const mat3<T>& F, const T& w, const Material& p, const At& at) {
-    volume += w;
-    stress = stress + cauchy(law_stress<M>(F, p, at), F) * w;
-    for (int i = 0; i < state_components<M>(); ++i)
-      numbers_of<T>(state)[i] += numbers_of<T>(at.state)[i] * w;
-    if constexpr (has_energy_density<M>) energy += called_energy<M>(F, p, at) * w;
-  }
-  template <class Results>
-  void set(const Results& out) const {
-    const T share = 1.0 / volume;
-    const sym3<T> mean = stress * share;
-    out.set(0, mean);
-    out.set(1, von_mises(mean));
-    if constexpr (has_energy_density<M>) out.set(2, energy * share);
-    constexpr int first = has_energy_density<M> ? 3 : 2;
-    if constexpr (has_state<M>)
-      for_state<M>([&](int part, int i, int number) {
-        out.set(first + part, i, numbers_of<T>(state)[number] * share);
-      });
-  }
-};
 
 template <class M>
 constexpr bool check_law() {
@@ -319,23 +290,6 @@ inline rest_moduli moduli_of(const lame& c) {
 inline bool is_stable(const lame& c) {
   const double rounding = 1e-12 * (std::abs(c.lambda) + std::abs(c.mu));
   return std::isfinite(rounding) && c.mu > rounding && 3 * c.lambda + 2 * c.mu > rounding;
-}
-
-/// Output fields of every element: means over its Gauss points.
-template <class M>
-constexpr auto fields_of_law() {
-  constexpr auto stress = field("stress", "Pa", "Cauchy stress, mean of the element", 6);
-  constexpr auto mises = field("von_mises", "Pa", "Equivalent stress of von Mises of it");
-  constexpr auto energy = field("energy_density", "J/m^3", "Stored energy per rest volume");
-  constexpr std::size_t first = has_energy_density<M> ? 3 : 2;
-  std::array<suture_field, first + state_count<M>()> fields{stress, mises};
-  if (has_energy_density<M>) fields[2] = energy;
-  if constexpr (has_state<M>)
-    for (std::size_t i = 0; i < state_count<M>(); ++i) {
-      const attribute& s = M::states[i];
-      fields[first + i] = field(s.name, s.unit, s.doc, int(s.components));
-    }
-  return fields;
 }
 
 }  // namespace detail

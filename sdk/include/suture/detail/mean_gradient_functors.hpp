@@ -5,7 +5,7 @@
 #ifndef SUTURE_DETAIL_MEAN_GRADIENT_FUNCTORS_HPP
 #define SUTURE_DETAIL_MEAN_GRADIENT_FUNCTORS_HPP
 
-#include "suture/detail/law.hpp"
+#include "suture/detail/law_functor.hpp"
 
 namespace suture::detail {
 
@@ -32,13 +32,11 @@ void prepare_element(const setup& p, const Material& material, rest_moduli& modu
 /// What parallelepipeds and general hexahedra have in common. `Shape` provides
 /// with_rest(cell, work), which calls work(rest shape).
 template <class M, class Shape>
-struct mean_gradient_law : on_volumes {
-  static_assert(check_law<M>());
+struct mean_gradient_functor : law_functor<M, Shape, 1> {
   static constexpr const char* doc = "Nodal forces of the stress at the mean gradient";
-  static constexpr bool element_parameters = varies<M>, added_element_constants = varies<M>;
+  static constexpr bool added_element_constants = varies<M>;
   static constexpr bool both = has_both_halves<M>();
   static constexpr double share = hourglass_share<both>;
-  static constexpr auto fields = fields_of_law<M>();
 
   static bool enabled(const values& p, std::uint32_t&) { return !is_trilinear<M>(p); }
 
@@ -47,35 +45,16 @@ struct mean_gradient_law : on_volumes {
     Shape::with_rest(c, [&](const auto& rest) SUTURE_DETAIL_INLINED { force_on(c, rest); });
   }
 
-  template <class Cell, class Results>
-  static void output(const Cell& c, const Results& out) {
-    const auto e = evaluate(c);
-    mean_results<M, typename Cell::scalar> means;
-    means.template add<1>(c, e.F, e.volume, 0);
-    means.energy += e.hourglass_energy;
-    means.set(out);
-  }
-
- protected:
-  template <class T>
-  struct evaluation {
-    mat3<T> F;
-    T volume, hourglass_energy;  ///< 0 for laws without an energy
-  };
-  /// One function for energies and outputs.
   template <class Cell>
-  [[gnu::noinline]] static evaluation<typename Cell::scalar> evaluate(const Cell& c) {
-    using T = typename Cell::scalar;
-    evaluation<T> e;
+  [[gnu::noinline]] static deformed_element<typename Cell::scalar, 1> deformed(const Cell& c) {
+    deformed_element<typename Cell::scalar, 1> e;
     Shape::with_rest(c, [&](const auto& rest) {
-      vec3<T> x[8];
-      for (int n = 0; n < 8; ++n) x[n] = c.position(n);
-      const nodal_modes<T> now = separated_modes(x, rest);
-      e = {rest.F(now), rest.volume, T(0.0)};
-      if constexpr (has_energy_density<M>) {
-        const typename std::decay_t<decltype(rest)>::core& core = rest;
-        e.hourglass_energy = hourglass_energy<both>(now, core);
-      }
+      vec3<typename Cell::scalar> x[8];
+      mean_gradient_functor::positions(c, x);
+      const auto now = separated_modes(x, rest);
+      e.add(rest.F(now), rest.volume);
+      const typename std::decay_t<decltype(rest)>::core& core = rest;
+      if constexpr (has_energy_density<M>) e.hourglass_energy = hourglass_energy<both>(now, core);
     });
     return e;
   }
@@ -86,24 +65,11 @@ struct mean_gradient_law : on_volumes {
   static __attribute__((noinline)) void force_on(const Cell& c, const Rest& rest) {
     using T = typename Cell::scalar;
     vec3<T> x[8], f[8];
-    for (int n = 0; n < 8; ++n) x[n] = c.position(n);
+    mean_gradient_functor::positions(c, x);
     mean_gradient_force<both>(
         x, rest, [&](const mat3<T>& F) SUTURE_DETAIL_INLINED { return stress_at<M, 1>(c, F, 0); },
         f);
     for (int n = 0; n < 8; ++n) c.force(n, f[n]);
-  }
-};
-
-/// Has an energy if the law has one.
-template <class M, class Shape, bool = has_energy_density<M>>
-struct mean_gradient_functor : mean_gradient_law<M, Shape> {};
-template <class M, class Shape>
-struct mean_gradient_functor<M, Shape, true> : mean_gradient_law<M, Shape> {
-  template <class Cell>
-  static typename Cell::scalar energy(const Cell& c) {
-    const auto e = mean_gradient_law<M, Shape>::evaluate(c);
-    return e.volume * called_energy<M>(e.F, material<M>(c), instant_at<M, 1>(c, e.F, 0)) +
-           e.hourglass_energy;
   }
 };
 
@@ -119,13 +85,12 @@ struct mean_gradient_parallelepipeds : mean_gradient_functor<M, mean_gradient_pa
     using R = typename Cell::real;
     const auto& m = c.added_constants();
     mat3<R> inverse_j;  // of edges, a quarter of the edge sums
-    const R skew = read_inverse(c, jacobian, inverse_j);
+    const bool is_box = all(read_inverse(c, jacobian, inverse_j) == 0.0);
     const mat3<R> sums = inverse_j * 0.25;
     constexpr double share = mean_gradient_parallelepipeds::share;
-    if (all(skew == 0.0))
-      work(box_rest<R>::of({sums(0, 0), sums(1, 1), sums(2, 2)}, m, share));
-    else
-      work(parallelepiped_rest<R>(inverse(sums), sums, 1.0 / det(inverse_j), m, share));
+    if constexpr (has_box_path<Cell>)
+      if (is_box) return work(box_rest<R>::of({sums(0, 0), sums(1, 1), sums(2, 2)}, m, share));
+    work(parallelepiped_rest<R>(inverse(sums), sums, 1.0 / det(inverse_j), m, share));
   }
 };
 
@@ -146,8 +111,7 @@ struct mean_gradient_parts : mean_gradient_functor<M, mean_gradient_parts<M>> {
     const mat3<R> sums = inverse_j * 0.25;
     const part_moments<R> part = read_part(c);
     const R share = part.fraction * R(mean_gradient_parts::share);
-    // As in parallelepiped_parts.
-    if constexpr (!is_dual<typename Cell::scalar>)
+    if constexpr (has_part_of_box_path<Cell>)
       if (is_box) {
         part_rest<box_rest<R>, R> rest{
             box_rest<R>::of({sums(0, 0), sums(1, 1), sums(2, 2)}, m, share), part.first,

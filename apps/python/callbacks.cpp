@@ -9,7 +9,7 @@
 namespace suture::python {
 namespace {
 
-// Of a person who waits after Ctrl-C; taking the GIL every step would let other threads of Python
+// A person who waits after Ctrl-C does not notice it; the GIL in every step would let other threads
 // slow the run down.
 constexpr auto between_signals = std::chrono::milliseconds(20);
 

@@ -17,7 +17,7 @@ py::array contact_force(Simulation& simulation);
 /// (vertices,): the distance from the nearest obstacle, m; NaN inside the body.
 py::array gap(Simulation& simulation);
 
-/// Of all obstacles.
+/// The names of all obstacles.
 py::list tool_names(Simulation& simulation);
 /// (force, torque, translation, rotation, hand force, hand torque), arrays of 3; the last two are
 /// None unless the obstacle is compliant.

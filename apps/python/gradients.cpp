@@ -43,7 +43,7 @@ EquilibriumSlopes slopes_of(Session& session) {
   return EquilibriumSlopes(session.between_steps().built().dynamics());
 }
 
-/// Of a parameter of a model, by the number of the model.
+/// The slopes by a parameter of a model, by the number of the model.
 ParameterSlopes slopes_of(Session& session, std::size_t model, const std::string& name) {
   Simulation& simulation = session.between_steps();
   return ParameterSlopes(simulation.built().body(), simulation.time(),

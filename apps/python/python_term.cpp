@@ -144,7 +144,7 @@ void PythonTerm::add_tangent_for_step(const double* d, double dx, double dv, con
   for (std::size_t i = 0; i < count; ++i) out[i] -= *force_.stiffness * dx * d[i];
 }
 
-/// Of -df/dx, by power iteration from a random direction.
+/// The largest eigenvalue of -df/dx, by power iteration from a random direction.
 double PythonTerm::largest_stiffness(double time) {
   std::mt19937 random;  // the same direction in every run
   std::vector<double> d(3 * std::size_t{attributes_.vertex_count()}), image(d.size());

@@ -162,7 +162,7 @@ void measure_divisions(const BladeOptions& options, Report& report) {
         cut_along(body.complex(), parts.parts(), body.attributes().position().rows(),
                   PlaneBlade({centre, normal}), "");
     const double found = now(options.threads);
-    body.body().clone_volume(cut.cloning, cut.parts);
+    body.body().clone_volume(cut.cloning, cut.parts, [] {});
     const double cloned = now(options.threads);
     parts.append(cut.parts, cut.cloning.origins);
     (void)parts.embedding(body.complex());

@@ -82,7 +82,7 @@ class Shape {
     return d;
   }
 
-  /// Of a ball around the origin that holds everything.
+  /// The radius of a ball around the origin that holds everything.
   double radius() const {
     const auto norm = [](const Vec3& v) { return std::sqrt(dot(v, v)); };
     double r = 0;

@@ -105,7 +105,7 @@ class Shown {
   auto missed() const {
     return std::ranges::count_if(walls_, [&](double t) { return t > options_.frame; });
   }
-  /// Of one thread the processor's, else the wall clock's.
+  /// With one thread, the processor's time, else the wall clock's.
   double median() const {
     std::vector<double> times = processor_;
     std::ranges::nth_element(times, times.begin() + std::ssize(times) / 2);

@@ -25,7 +25,7 @@ struct WorkCase {
   double scale;        ///< of that value
   std::vector<WorkMethod> methods;
   std::vector<CalculixMethod> beside{};
-  /// Of scenes that name the file `mesh_file`; none: of scenes that name a box.
+  /// Makes the file `mesh_file` of scenes that name it; none: scenes name a box.
   std::function<Mesh(const WorkMesh&)> mesh{};
   CalculixMethod finest{};  ///< on three meshes, from which the reference is extrapolated
   static constexpr const char* mesh_file = "mesh.msh";

@@ -216,7 +216,7 @@ struct ModelsOfFile {
   std::vector<PluginFile> builds;  ///< that this processor runs
 };
 
-/// Of a plugin file, or the plugin with a model of this name. Nothing is loaded.
+/// The models of a plugin file, or of the plugin with a model of this name. Nothing is loaded.
 ModelsOfFile find_models(const std::string& what, Console& console) {
   PluginHost host(&console.diagnostics());
   if (what.find('/') == std::string::npos && !what.ends_with(".so"))

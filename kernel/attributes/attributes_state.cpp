@@ -100,7 +100,7 @@ void require_openness(const Archive& archive, const Instance& instance,
                     "a parameter is the same in all elements here");
 }
 
-/// Of the elements that were built; copies of elements have theirs in their columns.
+/// The values of the elements that were built; copies of elements have theirs in their columns.
 std::vector<double> built_values(const Instance& instance, std::size_t parameter) {
   const Column& column = *instance.parameter_column(parameter);
   std::vector<double> values;

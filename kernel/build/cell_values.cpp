@@ -85,7 +85,7 @@ class Resolved {
                          : "node " + std::to_string(names_.point_id(body_.user_vertex()[cell]));
   }
 
-  // Of the model's region, ascending.
+  // Those of the model's region, ascending.
   std::vector<Index> cells() const {
     const std::vector<Index> elements = selector_.elements(use_.region);
     if (of_elements()) return elements;

@@ -13,7 +13,7 @@
 namespace suture {
 namespace {
 
-// Of the size of the body: obstacles that stay farther away are probably in other units.
+// In sizes of the body: obstacles that stay farther away are probably in other units.
 constexpr double far_away = 100;
 
 std::string describe(const Overlap& overlap, const BuiltScene& built, const Contact& contact) {

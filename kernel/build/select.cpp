@@ -44,7 +44,7 @@ struct Contains {
   bool operator()(const Selection::Named&) const { return false; }
 };
 
-/// Of a column of places.
+/// The box of a column of places.
 Box box_of(const Column& places) {
   Box box = no_box;
   for (Index v = 0; v < places.size(); ++v)

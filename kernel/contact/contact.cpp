@@ -320,7 +320,7 @@ Vec3 Contact::free_force(const Near& near, const ContactStep& step) const {
               scaled(attributes_.mass().rows()[near.vertex], step.acceleration));
 }
 
-/// Of the velocities before and after the step; `force`: without contact. m/s
+/// The mean of the velocities before and after the step; `force`: without contact. m/s
 Vec3 Contact::mean_velocity(const Near& near, const Vec3& force, const ContactStep& step) const {
   const Vec3 kick = scaled(step.whole_gain / attributes_.mass().rows()[near.vertex], force);
   const Vec3 before = scaled(1 / step.whole_decay, minus(near.free_velocity, kick));

@@ -226,7 +226,7 @@ class Contact final : public ContactLaw {
   std::vector<std::optional<Tool>> tools_;  ///< by obstacle
   bool has_tools_ = false;
   bool has_solids_ = false;  ///< obstacles that vertices could pass
-  // Of the step in progress.
+  // In the step in progress:
   std::vector<PlacedObstacle> placed_;
   std::vector<Index> near_placed_;  ///< near some vertices
   std::vector<Near> near_;          ///< first those of pushed_; of points, their vertices
@@ -248,7 +248,7 @@ class Contact final : public ContactLaw {
   EnteredSides sides_;
   double last_dt_ = 0;        ///< s
   double closing_speed_ = 0;  ///< of pieces that may meet, at most, after contact, m/s
-  /// Of an obstacle on a vertex, in the last step, N.
+  /// The force of an obstacle on a vertex in the last step, N.
   struct ObstacleForce {
     Index vertex, obstacle;
     Vec3 force;

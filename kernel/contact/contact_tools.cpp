@@ -7,7 +7,7 @@
 namespace suture {
 namespace {
 
-// Of a tool and the vertices that it pushes, until it moves by less than this, of an element; less
+// Rounds of a tool and what it pushes, until it moves by less than this part of an element; less
 // exactly where pieces meet, whose sweeps end sooner.
 constexpr int max_tool_rounds = 20;
 constexpr double tool_tolerance = 1e-9, tool_tolerance_among_pieces = 1e-3;

@@ -15,7 +15,7 @@ using Cube = std::array<double, 3>;  // whole numbers
 
 double diagonal_of(const Box& box) { return norm(minus(box.high, box.low)); }
 
-/// Of places in the same cube or in two that touch each other.
+/// Between places in the same cube or in two that touch each other.
 double largest_difference(const std::map<Cube, Box>& ways) {
   double largest = 0;
   for (const auto& [cube, own] : ways)

@@ -15,7 +15,7 @@
 namespace suture {
 namespace {
 
-// Of the bound on the stiffness of the body at a vertex: with less, more updates are needed, with
+// A part of the bound on the stiffness of the body at a vertex: with less, more updates, with
 // more, more iterations of linear solvers.
 constexpr double stiffening = 4;
 // Cosine of an angle between the normals of a contact before and after an update.
@@ -287,7 +287,7 @@ void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at
 
 // --------------------------------------------------------------------- pairs --
 
-/// Of springs in series: 1 / k = sum w^2 / k_v over the vertices that move.
+/// The stiffness of springs in series: 1 / k = sum w^2 / k_v over the vertices that move.
 double MultiplierForces::stiffness_of_pair(const std::array<Index, 5>& vertices,
                                            const std::array<double, 5>& weights) const {
   double compliance = 0;
@@ -317,7 +317,7 @@ MultiplierForces::Pairs MultiplierForces::find_pairs(double time) {
   return pairs;
 }
 
-/// Of the vertex from the face, or of the first edge from the second one.
+/// The way of the vertex from the face, or of the first edge from the second one.
 Vec3 MultiplierForces::offset_of(const Pair& pair) const {
   Vec3 sum{};
   for (std::size_t i = 0; i < 5; ++i)

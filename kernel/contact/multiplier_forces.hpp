@@ -81,7 +81,7 @@ class MultiplierForces final : public ContactTerm,
                                public ConstraintTerm,
                                public NonsmoothTerm {
  public:
-  /// Of gaps, in typical edges.
+  /// The tolerance of gaps, in typical edges.
   static constexpr double tolerance = 1e-4;
 
   /// `is_static`: nothing has a velocity.
@@ -154,7 +154,7 @@ class MultiplierForces final : public ContactTerm,
     Vec3 sum(const Number* rows, std::size_t width) const;
     template <class Number>
     void add(const Vec3& force, Number* rows, std::size_t width) const;
-    /// Of the force for a motion d of the point.
+    /// The change of the force for a motion d of the point.
     Vec3 tangent(const Vec3& d) const;
     Vec3 skew_tangent(const Vec3& d) const;
   };

@@ -18,7 +18,7 @@ Vec3 area_of(const BoundarySurface::Corners& c, const double* positions) {
                minus(row(positions, c[3]), row(positions, c[1])));
 }
 
-/// Of an edge that runs counterclockwise around the first face.
+/// The edge is one that runs counterclockwise around the first face.
 bool bends_outward(const Vec3& first, const Vec3& second, const Vec3& edge) {
   return dot(first, second) < flat * norm(first) * norm(second) &&
          dot(cross(first, second), edge) > 0;

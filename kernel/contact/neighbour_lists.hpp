@@ -56,9 +56,9 @@ class NeighbourLists {
   // The lists number vertices, faces and edges by their places here: what is near is a small part
   // of the body, and lies together.
 
-  /// Of pairs and faces, ascending.
+  /// Those of pairs and faces, ascending.
   std::span<const Index> vertices() const { return vertices_; }
-  /// Of pairs of both kinds, and all around the vertices of pairs; sorted by corners.
+  /// Those of pairs of both kinds, and all around the vertices of pairs; sorted by corners.
   std::span<const BoundarySurface::Corners> faces() const { return faces_; }
   Index piece_of_face(Index i) const { return meeting_.piece_of[vertices_[faces_[i][0]]]; }
   std::span<const FeatureEdge> edges() const { return near_edges_; }
@@ -92,7 +92,7 @@ class NeighbourLists {
   Meeting meeting_;
   bool may_meet_ = false;
   std::vector<FeatureEdge> edges_;
-  // Of the last rebuild.
+  // From the last rebuild:
   std::vector<NearPair> pairs_;
   std::vector<NearEdges> edge_pairs_;
   std::vector<Index> vertices_;

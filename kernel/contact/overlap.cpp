@@ -6,7 +6,7 @@
 namespace suture {
 namespace {
 
-// Of the size of the body: coordinates of files may be in single precision.
+// A part of the size of the body: coordinates of files may be in single precision.
 constexpr double tolerance = 1e-6;
 
 /// The solid angle of a triangle seen from the origin, positive from behind (Van Oosterom and

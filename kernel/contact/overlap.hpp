@@ -15,8 +15,8 @@ struct Overlap {
   Vec3 place{};          ///< its position, or a point of the obstacle
 };
 
-/// Of all obstacles at `time`; contacts to within rounding do not count. O(obstacles times
-/// vertices).
+/// Overlaps with all obstacles at `time`; contacts to within rounding do not count. O(obstacles
+/// times vertices).
 std::vector<Overlap> find_overlaps(const Contact& contact, const CellComplex& complex,
                                    Attributes& attributes, double time);
 

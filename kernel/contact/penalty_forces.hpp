@@ -34,9 +34,9 @@ namespace suture {
 /// Cost: a pass over the vertices of the boundary in each step.
 class PenaltyForces final : public ContactTerm, public BoundedTerm {
  public:
-  /// Of the bound on the stiffness of the body.
+  /// A part of the bound on the stiffness of the body.
   static constexpr double stiffening = 0.04;
-  /// Of a typical edge of the surface.
+  /// A part of a typical edge of the surface.
   static constexpr double onset = 0.1;
 
   PenaltyForces(Contact& contact, Attributes& attributes, BoundedTerm& models)

@@ -15,12 +15,12 @@ namespace {
 // In typical edges: how far a vertex may be in front of a face that it may yet be pushed into, and
 // how far beside its rim.
 constexpr double margin = 0.1, beside = 0.05;
-// Of gaps, in typical edges; the second one also of those that do not move.
+// Errors of gaps, in typical edges; the second one also of those that do not move.
 constexpr double precision = 1e-4, rounding_of_gaps = 1e-9;
-// Of the change of gaps in the first sweep. Forces that lag behind the motion by a step feed its
-// fast modes, and a pile would never come to rest.
+// The part of the change of gaps in the first sweep. Forces that lag behind the motion by a step
+// feed its fast modes, and a pile would never come to rest.
 constexpr double lag = 0.3;
-// Of the precision: what a sweep leaves as it is.
+// What a sweep leaves as it is, as a part of the precision.
 constexpr double negligible = 0.1;
 constexpr double same_side = 0.2;  // cosine of an angle at which surfaces look the same way
 // A distance in typical edges, and the cosine of an angle between faces.
@@ -29,7 +29,7 @@ constexpr double near_enough = 0.02, alike = 0.95;
 constexpr double leaning = 0.1;
 // Relative to that without constraints; what hardly yields would need impulses without bound.
 constexpr double least_mobility = 1e-3;
-// Of a depth that was there before the step, at most `max_recovery` edges per step. Edges that
+// The part of an earlier depth that a step takes back, at most `max_recovery` edges. Edges that
 // slide across each other are found deep at once: pushed apart as fast as faces, they keep a pile
 // moving.
 constexpr double recovered = 0.2, max_recovery = 0.02, max_recovery_of_edges = 0.002;

@@ -170,7 +170,7 @@ class PieceContact {
   Options options_;
   double edge_, dt_ = 0, gain_ = 0;
   NeighbourLists lists_;
-  // Of the step in progress, by place in the lists.
+  // In the step in progress, by place in the lists:
   std::vector<double> ends_;   ///< of vertices, where contacts are sought; rows of 4
   std::vector<Vec3> normals_;  ///< of vertices: sums of area vectors
   std::vector<FacePlane> faces_;

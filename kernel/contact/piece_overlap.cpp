@@ -82,7 +82,7 @@ class OverlapSearch {
       first = last;
     }
   }
-  /// Of a vertex with a face; `all`: those of the vertex.
+  /// Where a vertex crosses a face; `all`: the pairs of the vertex.
   void find_crossing(const NearPair& pair, std::span<const NearPair> all) {
     const Index a = meeting_.piece_of[pair.vertex], b = piece_of(pair);
     if (found_.contains(ordered(a, b))) return;

@@ -15,7 +15,7 @@ struct PieceOverlap {
   Vec3 place{};                   ///< its position
 };
 
-/// Of all pieces at their current positions, those that are deeper in each other than this part of
+/// The pieces that are, at their current positions, deeper in each other than this part of
 /// a typical edge. O(surface) where none are, O(surfaces squared) for two that are.
 std::vector<PieceOverlap> find_piece_overlaps(const Contact& contact, const CellComplex& complex,
                                               Attributes& attributes, double least = 1e-3);

@@ -9,7 +9,7 @@
 namespace suture {
 namespace {
 
-// Of its depth, by which a vertex that began inside moves out in a step.
+// The part of its depth by which a vertex that began inside moves out in a step.
 constexpr double recovery = 0.02;
 // Below, all directions of the normal are held by constraints.
 constexpr double least_free_part = 1e-6;

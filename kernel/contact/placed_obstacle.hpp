@@ -89,7 +89,7 @@ class PlacedObstacle {
   /// (`fastest` m per step), or pushing out would act like an explosion.
   double push(VertexPath& path, double fastest, Push& push) const;
 
-  /// Of the point of the obstacle that is there at the end, in the step.
+  /// In the step, of that point of the obstacle which is there at the end.
   Vec3 displacement(const Vec3& place_at_end) const {
     return stands_ ? Vec3{} : minus(place_at_end, start_.place(end_.given(place_at_end)));
   }

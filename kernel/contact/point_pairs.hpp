@@ -65,7 +65,7 @@ class PointPairs {
   // at rest.
   static constexpr double max_depth = 0.1, skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
   static constexpr double same_side = 0.2;  ///< cosine of an angle at which surfaces look alike
-  /// Of a depth that was there before the step, and at most, in edges: edges slide past each other,
+  /// The part of an earlier depth that a step takes back, and at most, in edges: edges slide past,
   /// and the points behind them are found deep at once.
   static constexpr double recovered = 0.2, max_recovery = 0.002;
   /// Squared, of a normal along which hardly anything can move.
@@ -95,10 +95,10 @@ class PointPairs {
   bool is_stale_ = true, may_meet_ = false;
   // Since the last operation.
   std::vector<Index> piece_of_;  ///< by point
-  // Of the last search.
+  // From the last search:
   std::vector<Vec3> searched_at_;  ///< by point
   std::vector<Near> near_;         ///< ascending
-  // Of the step.
+  // In the step:
   std::vector<Vec3> areas_, normals_;  ///< by triangle and by point; not of unit length
   std::vector<Pair> pairs_;
   std::vector<Index> vertices_;

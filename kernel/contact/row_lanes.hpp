@@ -19,7 +19,7 @@ SUTURE_INLINE const RowLanes& row_at(const double* rows, std::size_t i) {
 }
 SUTURE_INLINE RowLanes lanes_of(const Vec3& a) { return RowLanes{a[0], a[1], a[2], 0}; }
 SUTURE_INLINE Vec3 vec_of(const RowLanes& a) { return {a[0], a[1], a[2]}; }
-/// Of the first three.
+/// The product of the first three.
 SUTURE_INLINE double dot(const RowLanes& a, const RowLanes& b) {
   const RowLanes product = a * b;
   return product[0] + product[1] + product[2];

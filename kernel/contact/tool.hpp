@@ -98,7 +98,7 @@ class Tool {
   double reach_;  ///< of its points from the centre, m
   Pose pose_, end_;
   State state_;
-  // Of the step in progress.
+  // In the step in progress:
   double dt_ = 0, gain_ = 0;
   double mass_ = 0, inertia_ = 0;  ///< including what the coupling resists
   Motion free_, now_;              ///< without contact, and to end()

@@ -36,7 +36,7 @@ SUTURE_INLINE void kick(const PieceTouch& touch, const RowLanes& impulse, double
   }
 }
 
-/// Of contacts, of which there are as many groups as bits.
+/// The length of a group of contacts; there are as many groups as bits.
 SUTURE_INLINE std::size_t group_length(std::size_t contacts) { return contacts / 64 + 1; }
 
 /// How far the gap may have changed since the step began, m.

@@ -66,7 +66,7 @@ struct PieceTouch {
   double seen = -1;  ///< what the ways of its vertices were when it was last improved, m
 };
 
-/// Of a contact between pieces with these vertices.
+/// Whether a contact between pieces with these vertices is one of two edges.
 inline bool is_between_edges(const std::array<Index, 5>& vertices) {
   return vertices[3] == vertices[4];
 }

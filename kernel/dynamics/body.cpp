@@ -175,7 +175,8 @@ TopologyChange Body::pierce(const std::vector<Index>& elements) {
   return change({vertices, false}, [&] { return complex().pierce(elements); });
 }
 
-TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts) {
+TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts,
+                                  const std::function<void()>& is_cloned) {
   std::vector<Index> vertices;
   const auto add = [&](Index element) {
     const Hexahedron& nodes = complex().vertices_of(element);
@@ -187,6 +188,7 @@ TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts) {
   TopologyChange done = change({vertices, false}, [&] {
     TopologyChange change = complex().clone_volume(cloning);
     attributes_.begin_copies(parts);
+    is_cloned();
     return change;
   });
   attributes_.end_copies();

@@ -122,7 +122,10 @@ class Body {
   TopologyChange sew(const std::vector<Seam>& seams);
   /// Replaces elements by copies, whose material is given in their numbers. The energy that
   /// this adds is work of the operation; momentum, mass and kinetic energy do not change.
-  TopologyChange clone_volume(const Cloning& cloning, const Parts& parts);
+  /// `is_cloned`: called when the map has the copies, before anything follows that may ask for
+  /// their material.
+  TopologyChange clone_volume(const Cloning& cloning, const Parts& parts,
+                              const std::function<void()>& is_cloned);
   /// The connected pieces, kept up to date through all operations after the first call.
   const Islands& islands();
 

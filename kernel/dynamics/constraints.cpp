@@ -164,7 +164,7 @@ auto within(List& list, Index begin, Index end) {
                               [](const auto& entry, Index limit) { return entry.vertex < limit; }));
 }
 
-/// Of a column of rows of 4, at a vertex.
+/// The row of a vertex in a column of rows of 4.
 double* row(Column& column, Index vertex) { return column.rows() + std::size_t{vertex} * 4; }
 
 /// visit(c) for each component of the bits.

@@ -138,7 +138,7 @@ void BatchList::add_chunk(std::span<const loops::Rows> ranges) {
   chunk_begin_.push_back(static_cast<Index>(ranges_.size()));
 }
 
-/// Of the chunks from `first` on. Waiting for the last chunk before at each vertex is
+/// Orders the chunks from `first` on. Waiting for the last chunk before at each vertex is
 /// enough: it waits for those before.
 void BatchList::find_order(const Connectivity& cells, Index first, loops::Rows vertices) {
   auto& before = order_.before;

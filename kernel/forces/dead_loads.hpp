@@ -69,7 +69,7 @@ class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
     std::vector<Corner> corners;
     std::vector<Nodal> nodal;  ///< the same, summed over the current vertices
     TimeRamp ramp;
-    // Of a traction on triangles that may be divided.
+    // A traction on triangles that may be divided.
     Vec3 traction{};  ///< Pa
     std::vector<SurfaceTriangle> triangles;
   };

@@ -77,7 +77,7 @@ struct Obstacle {
   bool push_out = false;  ///< moves what is inside at the start out slowly, instead of an error
   std::optional<Coupling> coupling{};  ///< compliant: `motion` is that of the hand
   bool pushes = true;  ///< false: it carries a blade along which elements are divided
-  /// Of all points from the centre of the motion, m.
+  /// The largest distance of a point from the centre of the motion, m.
   double reach() const;
 };
 

@@ -11,14 +11,14 @@
 namespace suture {
 namespace {
 
-// Of the radius: nearer to the surface, the direction of the offset is rounding.
+// A part of the radius: nearer to the surface, the direction of the offset is rounding.
 constexpr double on_surface = 1e-10;
-// Of the radius: distances of cells are stored in single precision.
+// A part of the radius: distances of cells are stored in single precision.
 constexpr double rounding_of_cells = 1e-6;
 // A ball that is larger than the one that fits by less than this part of it fits, too.
 constexpr double rounding_of_balls = 1e-6;
-// Of the grid: the number that is sought for each triangle, the least and the largest, and the
-// largest along an axis.
+// Cells of the grid: the number that is sought for each triangle, the least and the largest, and
+// the largest along an axis.
 constexpr double cells_per_triangle = 8, least_cells = 8192, most_cells = 65536, most_along = 256;
 
 }  // namespace

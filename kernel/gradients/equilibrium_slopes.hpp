@@ -63,7 +63,7 @@ class EquilibriumSlopes {
   Sensitivity sensitivity(const std::vector<double>& forces, double tolerance) const;
 
  private:
-  /// Of K x + N y = right and N^T (x + fixed) = 0, where obstacles hold gaps N^T x.
+  /// Solves K x + N y = right and N^T (x + fixed) = 0, where obstacles hold gaps N^T x.
   struct Solution {
     std::vector<double> x, held;  ///< held: N y
     unsigned iterations = 0;

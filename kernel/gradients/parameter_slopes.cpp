@@ -16,7 +16,7 @@
 namespace suture {
 namespace {
 
-// Of the sum of absolute values over elements.
+// What may be missing, as a part of the sum of absolute values over elements.
 constexpr double uncovered = 1e-6;
 
 /// Such that both sides lie within the range.

@@ -13,7 +13,7 @@
 namespace suture {
 namespace {
 
-// Of the shortest edge: the error of central differences is least there.
+// A step as a part of the shortest edge: the error of central differences is least there.
 constexpr double relative_step = 1e-5;
 
 std::vector<Index> live_elements(const CellSet& cells) {
@@ -60,7 +60,7 @@ class Rebuilt {
     models_ = std::make_unique<ForceLoop>(attributes_, complex, 1);
   }
 
-  /// Of the models and gravity, 3 numbers per vertex.
+  /// The forces of the models and of gravity, 3 numbers per vertex.
   std::vector<double> forces(double time, const Vec3& gravity) {
     AlignedVector<double> rows(std::size_t{attributes_.vertex_count()} * 4);
     std::vector<double> forces;

@@ -26,13 +26,13 @@
 namespace suture {
 namespace {
 
-// Of the forces: closer to the equilibrium, Newton's method needs few iterations anyway.
+// A part of the forces: closer to the equilibrium, Newton's method needs few iterations anyway.
 constexpr double far_residual = 0.3;
 
 // An iteration on level 1 costs as much as one of the body, and saves less than one.
 constexpr std::size_t finest_level = 2;
 
-// Of the residual of a level.
+// What is left of the residual of a level.
 constexpr double reduction = 0.3;
 constexpr unsigned max_iterations = 15;
 // After two iterations it still is a good preconditioner.

@@ -16,7 +16,7 @@
 namespace suture {
 namespace {
 
-// Of the slope at the start that a step may leave, either way (Crisfield).
+// The part of the slope at the start that a step may leave, either way (Crisfield).
 constexpr double slope_left = 0.8;
 constexpr unsigned max_newton_iterations = 50, max_trials = 12;
 // From a solution on coarse levels: one that takes longer was of little use.

@@ -161,7 +161,7 @@ CoarseLevels StepSolver::coarse_levels() {
   return choice_.preconditioner->coarse_levels(matrix_);
 }
 
-/// Of a new preconditioner, for this decrease of the residual; 0: not known.
+/// How many a new preconditioner needs for this decrease of the residual; 0: not known.
 double StepSolver::Built::expected_iterations(double residual) const {
   return decrease > 0 ? decrease_to(residual) * iterations / decrease : 0;
 }

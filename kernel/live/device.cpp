@@ -47,7 +47,7 @@ suture_device_force FeltForce::at_pose(const suture_device_pose& pose) const {
 struct Device::Shared {
   std::string file, argument, name;
   const suture_device* device = nullptr;
-  // Of the thread.
+  // Used by the thread only:
   void* handle = nullptr;
   std::string why = std::string(512, '\0');
   suture_device_pose current{};

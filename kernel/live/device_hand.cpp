@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 
 const std::string grasp_name = "device-hand";
 constexpr std::uint32_t grasping = 1;  ///< button 0
-/// Of an edge: closer than this, the hand is there.
+/// Closer than this part of an edge, the hand is there.
 constexpr double same = 1e-9;
 
 Vec3 middle_of(Simulation& simulation) {

@@ -125,7 +125,7 @@ bool has_effect(const suture_model& model, const SampleOptions& options, std::si
 
 }  // namespace
 
-// Of all functors together: springs that pull are held by others that push.
+// All functors together are at rest: springs that pull are held by others that push.
 Result rest(const BodyCase& of) {
   if (has_functor_of(of.sample, {0, 2})) return {};
   of.sample.go_to_rest();

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t lane_count = SUTURE_LANES;
 using Values = AlignedVector<double>;
 
-/// Of the cell in lane 0 and in the state of the batch, m.
+/// The size of the cell in lane 0, in the state of the batch, m.
 double size_of(const CellBatch& batch) {
   if (batch.functor->dimension == 0) return 0.05;
   double square = 0;

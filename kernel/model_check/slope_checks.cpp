@@ -13,7 +13,7 @@
 namespace suture::checks {
 namespace {
 
-// Of forces, in a change by a step of 1e-5.
+// What rounding leaves of forces, in a change by a step of 1e-5.
 constexpr double rounding = 1e-9;
 
 std::vector<double> random_numbers(std::mt19937_64& random, std::size_t count) {
@@ -28,7 +28,7 @@ double error_of(double found, double expected, double noise) {
   return std::abs(found - expected) / std::max({std::abs(found), std::abs(expected), noise});
 }
 
-/// Of the parameter with this name, at random multipliers and weights.
+/// Checks the parameter with this name, at random multipliers and weights.
 Measured slope_error(SampleBody& sample, const std::string& name, std::mt19937_64& random) {
   const auto slopes_with = [&](double step) {
     return ParameterSlopes(sample.body(), sample.options().time, sample.instance(), name, step);

@@ -229,8 +229,8 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
   outcome.elements_cut = cut.divided;
   for (const Dart side : cut.cloning.cut)
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
-  built.body().clone_volume(cut.cloning, cut.parts);
-  built.embedded_parts().append(cut.parts, cut.cloning.origins);
+  built.body().clone_volume(cut.cloning, cut.parts,
+                            [&] { built.embedded_parts().append(cut.parts, cut.cloning.origins); });
   if (!cut.seams.empty()) built.body().sew(cut.seams);
   return outcome;
 }

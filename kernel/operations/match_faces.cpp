@@ -155,8 +155,8 @@ class Grid {
   std::unordered_map<std::uint64_t, std::vector<Dart>> cubes_;
 };
 
-/// Of cubes in which centres within the gap are neighbours; a smaller gap than coordinates can
-/// resolve would give them numbers that no integer holds.
+/// The edge of cubes in which centres within the gap are neighbours; a smaller gap than coordinates
+/// can resolve would give them numbers that no integer holds.
 double cube_edge(const FacePlaces& places, const std::vector<Dart>& faces, double gap) {
   double largest = 0;
   for (const Dart face : faces)

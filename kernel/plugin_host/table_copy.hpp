@@ -23,7 +23,7 @@ struct TableSizes {
 struct PluginTables {
   suture_plugin plugin{};
   std::vector<suture_model> models;
-  // Of each model, and of each attribute.
+  // Lists of each model, and of each attribute.
   std::deque<std::vector<suture_parameter>> parameters;
   std::deque<std::vector<suture_attribute>> attributes;
   std::deque<std::vector<suture_functor>> functors;

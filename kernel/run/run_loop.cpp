@@ -426,15 +426,14 @@ bool RunLoop::record_end(Observer& observer) {
   }
 }
 
-/// Of implicit steps; "" if all reached the tolerance.
+/// Warns of implicit steps; "" if all reached the tolerance.
 std::string RunLoop::rounding_warning() {
   const Newton* newton = built_.dynamics().newton();
   if (!newton || newton->limited_steps() == 0) return "";
   std::ostringstream text;
-  text << "rounding kept the residual of " << newton->limited_steps()
-       << (newton->limited_steps() == 1 ? " step" : " steps") << " above the tolerance of "
-       << scene_.solver.step_tolerance << " of the forces, at " << newton->rounding_limit()
-       << ": the tolerance is below rounding error";
+  text << "rounding kept the residual of " << count_text(newton->limited_steps(), "step")
+       << " above the tolerance of " << scene_.solver.step_tolerance << " of the forces, at "
+       << newton->rounding_limit() << ": the tolerance is below rounding error";
   return text.str();
 }
 
@@ -445,11 +444,10 @@ void RunLoop::finish(Observer& observer) {
   events_.finish();
   const bool rests = summary_.outcome != RunSummary::Outcome::finished &&
                      summary_.outcome != RunSummary::Outcome::interrupted;
-  if (const std::string text = hourglass_warning(scene_, built_, rests); !text.empty())
-    diagnostics_.warn(text);
-  if (const std::string text = control_.balance_warning(); !text.empty()) diagnostics_.warn(text);
-  if (const std::string text = rounding_warning(); !text.empty()) diagnostics_.warn(text);
-  if (const std::string text = deep_overlaps(built_); !text.empty()) diagnostics_.warn(text);
+  for (const std::string& text :
+       {hourglass_warning(scene_, built_, rests), control_.balance_warning(), rounding_warning(),
+        deep_overlaps(built_)})
+    if (!text.empty()) diagnostics_.warn(text);
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());

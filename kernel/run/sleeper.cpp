@@ -38,7 +38,8 @@ Index Sleeper::island_of(Index vertex) const {
   return body.islands().of(element_of(body.complex().dart_of(0, vertex)));
 }
 
-/// Of loads and constraints; what moves as an obstacle matters only to what it comes near.
+/// When loads and constraints change last; what moves as an obstacle matters only to what it comes
+/// near.
 double Sleeper::last_change() const {
   double last = built_.body().constraints().last_change();
   for (const auto& term : built_.body().terms()) last = std::max(last, term->last_change());

@@ -74,7 +74,7 @@ JsonValue& child(JsonValue& parent, const std::string& key, const JsonValue& mis
     throw UsageError(option + ": " + quote(key) + " would be inside " + describe(parent) +
                      ", which is neither an object nor an array");
   }
-  // Of duplicate keys (the reader refuses them) the first is set.
+  // If keys are repeated (the reader refuses them), the first is set.
   for (JsonMember& member : parent.members) {
     if (member.key == key) return member.value;
   }

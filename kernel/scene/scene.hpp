@@ -92,7 +92,8 @@ struct SolverOptions {
   std::string integrator = "symplectic-euler";
   std::optional<double> dt;  ///< s; none: "auto"
   double safety = 0.8;       ///< of the stable step, for "auto"
-  /// Of a step, relative to the largest displacement: for "auto" steps chosen by their error.
+  /// The error of a step, relative to the largest displacement: for "auto" steps chosen by their
+  /// error.
   std::optional<double> step_error;
   std::optional<double> end;  ///< s
   bool until_rest = false;

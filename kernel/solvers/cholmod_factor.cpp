@@ -8,7 +8,7 @@
 
 #include "kernel/solvers/sparse_factor.hpp"
 
-// Of the OpenMP runtime that Debian's CHOLMOD is linked with; <omp.h> may belong to another one.
+// In the OpenMP runtime with which Debian links CHOLMOD; <omp.h> may belong to another one.
 extern "C" int omp_get_max_active_levels();
 extern "C" void omp_set_max_active_levels(int levels);
 

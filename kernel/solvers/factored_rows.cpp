@@ -19,7 +19,7 @@ void for_each_below(const BlockPattern& pattern, Visit visit) {
         const Index other = pattern.column[i];
         if (other < node) continue;
         has_diagonal |= other == node;
-        // Of the block (node, other): the matrix is symmetric.
+        // The rows of the block (node, other): the matrix is symmetric.
         for (Index r = other == node ? c : 0; r < 3; ++r)
           visit(other * 3 + r, node * 3 + c, i, 3 * r + c);
       }

@@ -32,7 +32,7 @@ class StopTest {
   std::size_t next_direct_level();
 
  private:
-  /// Of a factor, about 10 us; and of the matrix itself, whose analysis takes 1 us per block.
+  /// The cost of a factor, about 10 us, and of the matrix, whose analysis takes 1 us per block.
   static constexpr double operations_per_element = 3e4, blocks_per_element = 8;
 
   bool converges(std::size_t l) const;

@@ -192,7 +192,7 @@ bool StepSearch::finish(double dt) {
 
 // --------------------------------------------------------------- one iteration --
 
-/// Of the mode, and its Rayleigh quotient.
+/// The residual of the mode, and its Rayleigh quotient.
 void StepSearch::find_residual() {
   found_.value = inner_product(mode_.v, mode_.image);
   residual_.v = mode_.image;

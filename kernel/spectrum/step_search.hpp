@@ -90,7 +90,7 @@ class StepSearch {
   std::mt19937 random_;         // the same numbers on every machine
   Direction mode_;              // in coordinates sqrt(m) x; its image only while a search runs
   std::vector<Index> changed_;  // vertices changed since the last search; may contain duplicates
-  // Of the search under way:
+  // The search under way:
   Stage stage_ = Stage::begun;
   double stiffness_ = 0, damping_ = 0;  // of the operator
   int least_ = 0;                       // iterations, of the eigenvalue under way

@@ -41,7 +41,7 @@ class StepAccuracy {
   void state(Archive& archive);
 
  private:
-  /// Of the size of a body: what moves by less has not moved.
+  /// What moves by less than this part of the size of a body has not moved.
   static constexpr double nothing = 1e-4;
 
   void follow(double dt);

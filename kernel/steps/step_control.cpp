@@ -24,7 +24,7 @@ constexpr std::uint64_t guard_steps = 64;
 // Energy from nowhere, as a part of what was exchanged, that is worth a word. Right runs stay
 // below 0.014.
 constexpr double notable_growth = 0.02;
-// Of the whole run, either way; sudden loads reach some per cent at a safety of 0.8.
+// The balance of the whole run, either way; sudden loads reach some per cent at a safety of 0.8.
 constexpr double notable_balance = 0.1;
 // How often a step is halved before it is given up, and attempts to pass a place where
 // elements or models fail, which a smaller step may not help.

@@ -69,7 +69,7 @@ TEST_F(Hints, NameOptionsThatTheParserKnows) {
   }
   std::set<std::string> known = found_in(help, option);
   EXPECT_GT(known.size(), 12u) << help;
-  // Of gdb, cmake and ctest.
+  // Options of gdb, cmake and ctest.
   for (const char* other :
        {"--args", "--build", "--install", "--prefix", "--test-dir", "--output-on-failure"})
     known.insert(other);

@@ -151,7 +151,7 @@ TEST(State, AttributesThatAreLoadedGoOnAsThoseThatWereSaved) {
   EXPECT_GT(strangers, 0) << "no element was saved with a rest shape of its own";
 }
 
-// Of element columns nothing is saved that operations do not change.
+// What operations do not change of element columns is not saved.
 TEST(State, OfAnotherRegionIsRefused) {
   const fake::Model model(fake::everything());
   const FakeBody body({3, 3, 3});

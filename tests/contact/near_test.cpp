@@ -60,7 +60,7 @@ Vec3 foot_of(const Patch& patch, const Patch::Foot& foot) {
   return place;
 }
 
-/// Of a fine grid of points on the patch.
+/// To a fine grid of points on the patch.
 double distance_by_samples(const Patch& patch, const Vec3& place) {
   constexpr int n = 200;
   double least = 1e9;

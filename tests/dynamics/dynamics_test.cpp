@@ -196,7 +196,7 @@ TEST(Constraints, FollowASplitVertex) {
   EXPECT_EQ(body.constraints().vertex_count(), 16u);
 }
 
-/// Of dead loads and pressures, one row of 4 per vertex.
+/// The forces of dead loads and pressures, one row of 4 per vertex.
 std::vector<double> rows_of_loads(Rig& rig, double time) {
   std::vector<double> rows(4 * std::size_t{rig.body.attributes().vertex_count()});
   rig.loads.add_forces(time, {}, rows.data());

@@ -42,7 +42,7 @@ void expect_lawful(const BatchList& list, const Connectivity& cells, Index rows)
   EXPECT_EQ(list.cell_count(), rows);
 }
 
-/// Of two chunks that share a vertex the later waits for the earlier, by itself or
+/// Where two chunks share a vertex, the later waits for the earlier, by itself or
 /// through others; the places are a permutation.
 void expect_ordered(const BatchList& list, const Connectivity& cells, Index vertices) {
   const TaskOrder& order = list.order();

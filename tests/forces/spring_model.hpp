@@ -40,12 +40,12 @@ std::vector<suture::Index> vertices_at(suture::Body& body, int axis, double wher
 std::vector<suture::Index> all_vertices(const suture::Body& body);
 /// A dart of every face of the boundary.
 std::vector<suture::Dart> boundary_faces(const suture::Body& body);
-/// Of all elements as they are now, m^3.
+/// The volume of all elements as they are now, m^3.
 double volume(suture::Body& body);
 
 /// Rows of 4 that the loop adds, also left in the column `force`.
 std::vector<double> forces_of(suture::Body& body, suture::ForceLoop& loop);
-/// Of all components, over the largest of the reference.
+/// The largest of a component, over the largest of the reference.
 double largest_difference(const std::vector<double>& rows,
                           const std::vector<suture::Vec3>& reference);
 

@@ -91,7 +91,7 @@ struct Block : spring_model::Body {
   PluginHost plugins;
 };
 
-/// Of all components, over the largest of the second.
+/// The largest difference of a component, over the largest of the second.
 template <class A, class B>
 double difference(const std::vector<A>& a, const std::vector<B>& b) {
   double worst = 0, largest = 0;

@@ -38,6 +38,11 @@ unfinished() {
     'unfinished work does not land' "$text"
 }
 
+# "/// Of the body": what is, is left to guess.
+subjects() {
+  offences '^ *//[/!]* *<* *Of ' 'a comment has a subject' "$sources"
+}
+
 # A reader that stops early ends the writer by SIGPIPE, and with it, sometimes, a script that has
 # set pipefail.
 pipes() {
@@ -144,7 +149,7 @@ top_level() {
 }
 
 case $check in
-  machine_paths | unfinished | pipes | include_direction | licences | sizes | weight | links | format | top_level)
+  machine_paths | unfinished | subjects | pipes | include_direction | licences | sizes | weight | links | format | top_level)
     "$check" && echo "$check: good" ;;
   *) echo "check.sh: no check '$check'"; exit 2 ;;
 esac

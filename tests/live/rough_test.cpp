@@ -84,7 +84,7 @@ class Fuzzer {
   std::mt19937 random_;
 };
 
-/// Of this process.
+/// The threads of this process.
 std::size_t threads() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;)

@@ -221,7 +221,7 @@ class ModelHarness {
     return f.enabled == nullptr || f.enabled(&context_, &reads) != 0;
   }
 
-  /// Of alternatives the first that is enabled.
+  /// Among alternatives, the first that is enabled.
   bool runs(const suture_functor& f, std::uint32_t& reads) {
     if (!enabled(f, reads)) return false;
     for (const suture_functor* other = model_.functors; other != &f; ++other) {

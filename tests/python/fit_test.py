@@ -7,7 +7,6 @@ import re
 import shutil
 import signal
 import subprocess
-import tempfile
 import time
 import unittest
 import warnings
@@ -15,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+import in_folder
 import suture
 from scenes import bar
 
@@ -60,16 +60,7 @@ def test_of(scene, values=None, /, **more):
     return {"curve": curve_of(scene, values or TRUE), "columns": COLUMNS, **more}
 
 
-class InFolder(unittest.TestCase):
-    def setUp(self):
-        self.before = os.getcwd()
-        self.folder = tempfile.TemporaryDirectory()
-        os.chdir(self.folder.name)
-
-    def tearDown(self):
-        os.chdir(self.before)
-        self.folder.cleanup()
-
+class InFolder(in_folder.InFolder):
     def suture(self, *words, **more):
         return subprocess.run([os.environ["SUTURE_PROGRAM"], *words], capture_output=True,
                               text=True, timeout=300, **more)

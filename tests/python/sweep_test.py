@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import suture
+from in_folder import InFolder
 from scenes import bar
 
 E = "/models/0/parameters/E"
@@ -53,17 +54,6 @@ class Points(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(ValueError, text):
                 make()
-
-
-class InFolder(unittest.TestCase):
-    def setUp(self):
-        self.before = os.getcwd()
-        self.folder = tempfile.TemporaryDirectory()
-        os.chdir(self.folder.name)
-
-    def tearDown(self):
-        os.chdir(self.before)
-        self.folder.cleanup()
 
 
 class Runs(InFolder):

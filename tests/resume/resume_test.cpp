@@ -92,7 +92,7 @@ class Stops {
   unsigned threads() { return random_.pick(std::vector<unsigned>{1, 2, 3, 8}); }
   void say(const std::string& text) { story_ += text + "; "; }
 
-  /// Of the questions whether to stop: anywhere, or where something happens.
+  /// One of the questions whether to stop: anywhere, or where something happens.
   std::uint64_t some_question() {
     const auto last = static_cast<double>(std::max<std::uint64_t>(whole_.questions, 2) - 1);
     if (whole_.reported_at.empty() || random_.chance(0.5))

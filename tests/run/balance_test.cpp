@@ -51,7 +51,7 @@ struct Largest {
   double balance = 0, exchanged = 0;
 };
 
-/// Of a run for 0.4 s at this safety.
+/// The largest balance of a run for 0.4 s at this safety.
 Largest largest_balance(const Scene& scene, double safety) {
   Diagnostics diagnostics;
   BuiltScene built(scene, diagnostics);

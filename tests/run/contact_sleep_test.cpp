@@ -51,7 +51,8 @@ struct Tower {
   explicit Tower(const Scene& scene) : simulation(scene, host(), diagnostics) {}
   void run_to(double time) { simulation.run_to(time, listener); }
   int asleep() const { return listener.asleep.empty() ? 0 : listener.asleep.back(); }
-  /// Of the vertices of an island, which the lowest elements number first: A, D, B, C.
+  /// The mean height of the vertices of an island, which the lowest elements number first: A, D, B,
+  /// C.
   double mean_height(Index island) {
     Attributes& a = simulation.attributes();
     double sum = 0, count = 0;

@@ -35,7 +35,7 @@ class ColumnsOfMeshes : public testing::Test {
   std::vector<double> column(const std::string& name, int dimension = 3);
   /// By element, node or edge of the complex.
   static std::vector<double> values_of(Instance& instance, const std::string& name, int dimension);
-  /// Of building the scene; "" if there is none.
+  /// The error of building the scene; "" if there is none.
   std::string error();
 
   const TemporaryFolder folder_;

@@ -211,7 +211,7 @@ Result run(const Scene& scene) {
   return result;
 }
 
-// Of a slender beam under the share p of its Euler load w^2 = w1^2 (1 - p), very nearly,
+// A slender beam under the share p of its Euler load has w^2 = w1^2 (1 - p), very nearly,
 // w1 = 3.516 sqrt(EI / rho A) / L; the mesh is up to a fifth too stiff.
 TEST(Column, IsStableBelowItsEulerLoadAndUnstableAbove) {
   const double first = std::pow(3.516, 2) * 1e6 * 0.01 / 12 / 1000;

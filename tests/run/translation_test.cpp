@@ -142,7 +142,7 @@ bool says(const TranslatedRun& result, const std::string& words) {
   });
 }
 
-// Of coordinates only the centre of the rotation enters the arithmetic: to its rounding.
+// Only the centre of the rotation enters the arithmetic by its coordinates: to its rounding.
 TEST(Translation, OfEveryCoordinateChangesNothing) {
   TemporaryFolder folder;
   const std::filesystem::path blade = write_blade(folder);

@@ -281,7 +281,7 @@ struct State {
   const char* name;
   Eigen::Matrix3d F;
 };
-/// Of constant volume.
+/// States of constant volume.
 std::vector<State> states() {
   const auto stretch = [](double x, double y) -> Eigen::Matrix3d {
     return Eigen::Vector3d(x, y, 1 / (x * y)).asDiagonal();

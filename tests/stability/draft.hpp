@@ -76,7 +76,7 @@ class Draft {
   double period_ = 0, end_ = 0;
 };
 
-/// Of the scene as it is, at rest, s.
+/// The stable step of the scene as it is, at rest, s.
 double stable_step_of(const Trial& trial);
 
 }  // namespace suture::test

@@ -19,11 +19,12 @@ namespace suture::test {
 namespace {
 
 constexpr double allowed_growth = 0.02;
-// Of the displacement, between runs at the step and at a quarter of it: phases of modes drift
+// Parts of the displacement, between runs at the step and at a quarter of it: phases of modes drift
 // apart by (h w)^2/24 per radian, and a sudden load excites modes of all lengths.
 constexpr double allowed_difference = 0.1, allowed_smooth_difference = 0.05;
-// Of what was exchanged. The balance is h^2/8 sum F^2/m: (h w)^2/4 of the elastic energy of each
-// mode, at 0.8 of the stable step 0.64 of that of the stiffest and next to nothing of slow ones.
+// Parts of what was exchanged. The balance is h^2/8 sum F^2/m: (h w)^2/4 of the elastic energy of
+// each mode, at 0.8 of the stable step 0.64 of that of the stiffest and next to nothing of slow
+// ones.
 constexpr double allowed_balance = 0.65, allowed_smooth_balance = 0.03;
 
 PluginHost& host() {

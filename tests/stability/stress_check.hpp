@@ -14,7 +14,8 @@ Values run_and_measure(const Check& check, Simulation& simulation, Observer& obs
 /// expected; infinite where a value is not finite.
 double difference_to(const Check& check, const Values& expected, const Values& values);
 
-/// Of a model and a solver under a stress: right, refused, stopped or warned of, and nothing else.
+/// What a model and a solver do under a stress: right, refused, stopped or warned of, and nothing
+/// else.
 void judge_stress(const Trial& trial, Result& result);
 
 }  // namespace suture::test

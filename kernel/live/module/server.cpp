@@ -58,7 +58,7 @@ std::optional<std::string_view> name_in(std::string_view target, const std::stri
   return target.substr(token.size() + 2);
 }
 
-/// Of an address, in the address of a page; that of this machine for all of its addresses.
+/// The name of an address in that of a page; the machine's own for all of its addresses.
 std::string name_of(const asio::ip::address& host) {
   if (host.is_unspecified()) return asio::ip::host_name();
   return host.is_v6() ? "[" + host.to_string() + "]" : host.to_string();

@@ -135,7 +135,7 @@ struct attribute : suture_attribute {
   }
   constexpr attribute output() const { return flag(SUTURE_OUTPUT); }
   constexpr attribute trial() const { return flag(SUTURE_TRIAL); }
-  /// Of no interest to users: `suture describe` does not list it.
+  /// Users need not know it: `suture describe` does not list it.
   constexpr attribute internal() const { return flag(SUTURE_INTERNAL); }
   constexpr attribute flag(std::uint32_t bits) const {
     attribute a = *this;

@@ -103,7 +103,7 @@ using rest_moduli = rest_moduli_of<double>;
 template <class R, bool Orthogonal>
 class hourglass_stiffness {
  public:
-  /// Of a box: `h` holds 1 / (edge sum)^2.
+  /// For a box: `h` holds 1 / (edge sum)^2.
   template <class Moduli>
   SUTURE_INLINE hourglass_stiffness(const vec3<R>& h, const Moduli& m, const R& volume) {
     static_assert(Orthogonal);
@@ -118,7 +118,7 @@ class hourglass_stiffness {
       twist_[i] = volume * m.young_ninth * h[i] * h[i];
     }
   }
-  /// Of a parallelepiped: `g` holds the products of its edge sums.
+  /// For a parallelepiped: `g` holds the products of its edge sums.
   template <class Moduli>
   SUTURE_INLINE hourglass_stiffness(const sym3<R>& g, const Moduli& m, const R& volume) {
     static_assert(!Orthogonal);

@@ -18,7 +18,7 @@
 namespace suture::test {
 namespace {
 
-// Of nodes, and of middles of edges; in elements.
+// Depths of nodes, and of middles of edges; in elements.
 constexpr double most_of_nodes = 0.1, most_of_edges = 0.25;
 constexpr double most_growth = 0.15;  // of the energy that was exchanged
 constexpr double rounding = 1e-6;     // J

@@ -43,7 +43,7 @@ struct tridiagonal {
   }
 };
 
-/// Of one pack of vectors with the layout of forces.
+/// One pack of vectors with the layout of forces.
 template <int Count>
 struct pack_vector {
   alignas(SUTURE_ALIGNMENT) double values[Count * SUTURE_LANES];

@@ -155,7 +155,11 @@ void PointPairs::add_nearest(std::span<const Near> of_point) {
   add(p, 1);
   for (std::size_t i = 0; i < 3; ++i)
     if (weights[i] != 0) add(points_.triangles()[nearest][i], -weights[i]);
-  pairs_.push_back({first, vertices_.size(), towards});
+  double lever = 0;
+  for (std::size_t i = first; i < weights_.size(); ++i) lever += std::abs(weights_[i]) / 2;
+  if (lever >= least_lever) return pairs_.push_back({first, vertices_.size(), towards, lever});
+  vertices_.resize(first);
+  weights_.resize(first);
 }
 
 /// Vertices of several corners have the sum of their weights.
@@ -176,10 +180,10 @@ void PointPairs::add(Index point, double weight) {
 
 PointPairs::Change PointPairs::change(std::size_t i, const Vec3& offset, const Vec3& velocity,
                                       unsigned fixed, double dt) const {
-  const Vec3& normal = pairs_[i].normal;
+  const auto& [first, end, normal, lever] = pairs_[i];
   const double gap = dot(normal, offset), speed = dot(normal, velocity), before = gap - dt * speed;
   const double target =
-      before < 0 ? before + std::min(-recovered * before, max_recovery * edge_) : 0;
+      before < 0 ? before + std::min(-recovered * before, max_recovery * lever * edge_) : 0;
   if (gap >= target) return {};
   const auto free_part = [&](Vec3 a) {
     for (std::size_t c = 0; c < 3; ++c)

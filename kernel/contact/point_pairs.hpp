@@ -45,7 +45,7 @@ class PointPairs {
   std::size_t size() const { return pairs_.size(); }
   /// The offset of the point of pair i from its triangle.
   ContactPoint operator[](std::size_t i) const {
-    const auto [first, end, normal] = pairs_[i];
+    const auto& [first, end, normal, lever] = pairs_[i];
     return {static_cast<Index>(i), std::span(vertices_).subspan(first, end - first),
             std::span(weights_).subspan(first, end - first)};
   }
@@ -68,6 +68,9 @@ class PointPairs {
   /// The part of an earlier depth that a step takes back, and at most, in edges: edges slide past,
   /// and the points behind them are found deep at once.
   static constexpr double recovered = 0.2, max_recovery = 0.002;
+  /// Near the end of a slit, a point and its triangle depend on almost the same vertices: these
+  /// must move by d / lever for an offset of d. Below this lever, they do not touch.
+  static constexpr double least_lever = 0.05;
   /// Squared, of a normal along which hardly anything can move.
   static constexpr double least_free = 1e-3;
   struct Near {
@@ -77,6 +80,7 @@ class PointPairs {
   struct Pair {
     std::size_t first, end;  ///< in vertices_ and weights_
     Vec3 normal;
+    double lever;  ///< half the sum of the magnitudes of its weights; 1 without common vertices
   };
   void find_pieces();
   bool has_moved() const;

@@ -193,6 +193,31 @@ TEST(BladeContact, LipsCarryPressureAndSlide) {
   EXPECT_GT(sliding, 0.4 * whole);
 }
 
+// A disc leaves a slit that ends inside, where both lips depend on the same vertices; a plane
+// divides the bar beside it.
+TEST(BladeContact, LipsMeetAtTheEndOfASlit) {
+  Scene scene = block(tree_plugins(), "tm-faure", {1, 0.25, 0.25}, {10, 3, 3},
+                      {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}});
+  scene.gravity = {0, -2, 0};
+  for (const double x : {0., 1.}) hold(scene, at({x, any, any}), 7);
+  scene.contact.pieces = true;
+  scene.solver.damping = 1.3;
+  const CutPlane slit{
+      .point = {0.5371, 0, 0}, .normal = {1, -0.05, 0}, .radius = 0.198, .along_blade = true},
+      across{.point = {0.6166, 0, 0}, .normal = {1, 0.0832, 0}, .along_blade = true};
+  for (const CutPlane& plane : {slit, across}) {
+    Event& cut = scene.events.emplace_back();
+    cut.what = plane;
+    cut.path = "/events";
+    cut.at = 0.09;
+  }
+  SlabRun run(scene);
+  run.simulation.run_to(0.4, run.nobody);
+  EXPECT_EQ(run.islands(), 2u);
+  const EnergyBalance e = run.simulation.built().dynamics().balance();
+  EXPECT_LT(std::abs(e.balance), 0.01 * e.exchanged);
+}
+
 // Two halves that a pressure presses together, free in space.
 TEST(BladeContact, LipsPushEachOtherEqually) {
   Scene scene = slab();

@@ -119,6 +119,75 @@ double gradient_along(Session& session, std::size_t model, const std::string& na
                       weights_of(slopes, weights));
 }
 
+// ------------------------------------------------------------ of kept steps --
+
+KeptSteps& kept_steps(Session& session) {
+  session.between_steps();
+  if (session.kept_steps() != nullptr) return *session.kept_steps();
+  throw InputError("no steps are kept; call keep_steps() before the run");
+}
+
+/// The multipliers of all steps, from arrays (steps, vertices, 3) and (steps,).
+std::vector<Multipliers> multipliers_of(const KeptSteps& steps, const Array& forces,
+                                        const Array& energies) {
+  const std::size_t count = steps.count();
+  if (forces.ndim() != 3 || static_cast<std::size_t>(forces.shape(0)) != count ||
+      static_cast<std::size_t>(energies.size()) != count)
+    throw InputError("steps were made or forgotten since this adjoint; take it again");
+  std::vector<Multipliers> multipliers;
+  const auto size = static_cast<std::size_t>(forces.size()) / count;
+  for (std::size_t step = 0; step < count; ++step) {
+    const double* from = forces.data() + step * size;
+    multipliers.push_back({{from, from + size}, energies.data()[step]});
+  }
+  return multipliers;
+}
+
+/// (forces, energies, by position, by velocity, iterations) of a run. slopes_at(step) gives
+/// (dJ/du, dJ/dW), or None, in the state after a step.
+py::tuple run_adjoint(Session& session, const py::function& slopes_at, double tolerance) {
+  const RunAdjoint found = kept_steps(session).adjoint(
+      [&](std::size_t step) {
+        ObjectiveSlopes slopes;
+        const py::object given = slopes_at(step);
+        if (given.is_none()) return slopes;
+        const auto [displacement, energy] = given.cast<std::pair<Array, double>>();
+        slopes.displacement = of_vertices(session, displacement, "dJ/du");
+        slopes.energy = energy;
+        return slopes;
+      },
+      tolerance);
+  const auto count = static_cast<py::ssize_t>(found.steps.size());
+  py::array_t<double> forces(
+      {count, static_cast<py::ssize_t>(found.position.size() / 3), py::ssize_t{3}}),
+      energies(count);
+  double* to = forces.mutable_data();
+  for (py::ssize_t step = 0; step < count; ++step) {
+    const Multipliers& multipliers = found.steps[static_cast<std::size_t>(step)];
+    to = std::ranges::copy(multipliers.force, to).out;
+    energies.mutable_data()[step] = multipliers.energy;
+  }
+  return py::make_tuple(forces, energies, rows_of_3(found.position), rows_of_3(found.velocity),
+                        found.iterations);
+}
+
+py::array run_gradient(Session& session, std::size_t model, const std::string& name,
+                       const Array& forces, const Array& energies) {
+  KeptSteps& steps = kept_steps(session);
+  const std::vector<double> values =
+      steps.each(*session.simulation().attributes().instances().at(model), name,
+                 multipliers_of(steps, forces, energies));
+  return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+double run_gradient_along(Session& session, std::size_t model, const std::string& name,
+                          const Array& forces, const Array& energies, const Array& weights) {
+  KeptSteps& steps = kept_steps(session);
+  return steps.along(*session.simulation().attributes().instances().at(model), name,
+                     weights_of(slopes_of(session, model, name), weights),
+                     multipliers_of(steps, forces, energies));
+}
+
 /// The vertices of a field of a probe, and "mean" or "sum".
 py::tuple probe_vertices(Session& session, const std::string& probe, const std::string& field) {
   const ProbeTable::Cover cover = session.probes().cover(probe, field);
@@ -150,6 +219,17 @@ void bind_gradients(py::class_<Session>& session) {
       .def("_force_slope", &force_slope)
       .def("_gradient", &gradient)
       .def("_gradient_along", &gradient_along)
+      .def("keep_steps", &Session::keep_steps,
+           "Keep the steps of implicit Euler from now on, for the derivatives of the run from "
+           "here: 24 B per vertex and step. Those that were kept before are forgotten.")
+      .def("_kept_steps",
+           [](Session& s) {
+             return s.kept_steps() != nullptr ? std::optional(s.kept_steps()->count())
+                                              : std::nullopt;
+           })
+      .def("_run_adjoint", &run_adjoint)
+      .def("_run_gradient", &run_gradient)
+      .def("_run_gradient_along", &run_gradient_along)
       .def("_probe_vertices", &probe_vertices);
 }
 

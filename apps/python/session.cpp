@@ -336,6 +336,15 @@ void Session::equilibrate() {
   advance([&] { run_.simulation->equilibrate(observer_); });
 }
 
+void Session::keep_steps() {
+  Simulation& now = between_steps();
+  require_alive();
+  if (const std::string& integrator = scene_.solver.integrator; integrator != "implicit-euler")
+    throw InputError("there is no derivative of this run: its integrator is '" + integrator +
+                     "'; set /solver/integrator to \"implicit-euler\"");
+  run_.kept_steps = std::make_unique<KeptSteps>(now.built().dynamics());
+}
+
 ProbeTable& Session::probes() {
   between_steps();
   if (run_.probes) return *run_.probes;

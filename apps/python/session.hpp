@@ -11,6 +11,7 @@
 #include "apps/python/read_mesh.hpp"
 #include "apps/python/views.hpp"
 #include "kernel/base/archive.hpp"
+#include "kernel/gradients/kept_steps.hpp"
 #include "kernel/live/live_run.hpp"
 #include "kernel/results/probe_table.hpp"
 #include "kernel/run/simulation.hpp"
@@ -84,6 +85,10 @@ class Session {
   void set_gravity(const Vec3& value);
   /// Simulation::equilibrate().
   void equilibrate();
+  /// Keeps the steps from now on, for their derivatives; those before are forgotten.
+  void keep_steps();
+  /// None if no steps are kept.
+  KeptSteps* kept_steps() { return run_.kept_steps.get(); }
   std::shared_ptr<SessionState> copy();
   /// Builds the run again and loads the state. If that fails, nothing has changed.
   void restore(const SessionState& state);
@@ -119,6 +124,7 @@ class Session {
   struct Run {
     std::unique_ptr<Simulation> simulation;
     std::unique_ptr<ProbeTable> probes;
+    std::unique_ptr<KeptSteps> kept_steps;
     std::unique_ptr<Views> views;
     std::vector<PythonTerm*> terms;
   };

@@ -50,7 +50,9 @@ void require_terms(Body& body, double time) {
 EquilibriumSlopes::EquilibriumSlopes(Dynamics& dynamics)
     : dynamics_(dynamics), body_(dynamics.body()), time_(dynamics.time()) {
   if (!dynamics.is_static())
-    refuse("it is a state of motion, and derivatives are those of equilibria; set /solver/static");
+    refuse(
+        "it is a state of motion; set /solver/static for derivatives of equilibria, or call "
+        "keep_steps() for those of a run");
   require_terms(body_, time_);
   Newton& newton = *dynamics.newton();
   if (newton.holds_free_pieces())

@@ -101,9 +101,17 @@ auto ParameterSlopes::both_sides(std::span<const double> changes, Value value) c
   return std::pair(std::move(up), at(-1));
 }
 
+/// f - m a of all terms, 3 numbers per vertex.
+std::vector<double> ParameterSlopes::balance() const {
+  std::vector<double> forces = total_forces(body_, time_);
+  for (std::size_t i = 0; i < inertia_.size(); ++i)
+    forces[i] -= body_.attributes().mass().get(static_cast<Index>(i / 3), 0) * inertia_[i];
+  return forces;
+}
+
 std::vector<double> ParameterSlopes::forces(std::span<const double> weights) {
   const double step = step_along(weights);
-  auto [up, down] = both_sides(times(step, weights), [&] { return total_forces(body_, time_); });
+  auto [up, down] = both_sides(times(step, weights), [&] { return balance(); });
   for (std::size_t i = 0; i < up.size(); ++i) up[i] = step > 0 ? (up[i] - down[i]) / (2 * step) : 0;
   return up;
 }
@@ -113,7 +121,7 @@ double ParameterSlopes::along(const Multipliers& multipliers, std::span<const do
   if (step == 0) return 0;
   const auto [up, down] = both_sides(times(step, weights), [&] {
     const double energy = multipliers.energy == 0 ? 0 : body_.models().energy(time_);
-    return std::pair(total_forces(body_, time_), multipliers.energy * energy);
+    return std::pair(balance(), multipliers.energy * energy);
   });
   std::vector<double> change = up.first;
   for (std::size_t i = 0; i < change.size(); ++i) change[i] -= down.first[i];
@@ -129,10 +137,11 @@ ParameterSlopes::Work ParameterSlopes::work(const Multipliers& multipliers) cons
                                  cells);
   }
   const Vec3 gravity = body_.acceleration(time_);
-  for (Index v = 0; v < body_.attributes().vertex_count(); ++v) {
-    const double* m = multipliers.force.data() + std::size_t{v} * 3;
-    work.vertices.push_back(body_.attributes().mass().get(v, 0) *
-                            (m[0] * gravity[0] + m[1] * gravity[1] + m[2] * gravity[2]));
+  for (std::size_t i = 0; i < multipliers.force.size(); ++i) {
+    if (i % 3 == 0) work.vertices.push_back(0);
+    const double acceleration = gravity[i % 3] - (inertia_.empty() ? 0 : inertia_[i]);
+    work.vertices.back() += body_.attributes().mass().get(static_cast<Index>(i / 3), 0) *
+                            multipliers.force[i] * acceleration;
   }
   return work;
 }

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernel/attributes/varied_parameter.hpp"
@@ -31,6 +32,10 @@ class ParameterSlopes {
   ParameterSlopes(Body& body, double time, Instance& instance, std::string parameter,
                   double relative_step = best_step);
 
+  /// What masses resist, too: an acceleration, m/s^2, 3 numbers per vertex. The forces are then
+  /// f - m a.
+  void set_inertia(std::vector<double> acceleration) { inertia_ = std::move(acceleration); }
+
   /// The number of values: one per row of instance.table(3) of a parameter that may differ from
   /// element to element, otherwise one.
   std::size_t size() const { return steps_.size(); }
@@ -53,6 +58,7 @@ class ParameterSlopes {
   struct Sides;
   Sides change(std::span<const Index> rows, const Multipliers& multipliers) const;
   Work work(const Multipliers& multipliers) const;
+  std::vector<double> balance() const;
   void add(const Sides& sides, std::span<const Index> rows, std::vector<double>& slopes) const;
   void require_sum(const Multipliers& multipliers, std::span<const double> slopes);
   double step_along(std::span<const double> weights) const;
@@ -62,6 +68,7 @@ class ParameterSlopes {
   Instance& instance_;
   std::string name_;
   std::vector<double> values_, steps_;
+  std::vector<double> inertia_;  ///< empty: none
   bool is_per_element_;
 };
 

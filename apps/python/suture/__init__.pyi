@@ -159,6 +159,20 @@ class Adjoint:
         self, model: str, parameter: str, per: str | ArrayLike | None = None
     ) -> float | Floats: ...
 
+class RunAdjoint:
+    value: float
+    loads: Floats
+    initial_position: Floats
+    initial_velocity: Floats
+    iterations: int
+    @property
+    def load(self) -> Floats: ...
+    @property
+    def gravity(self) -> Floats: ...
+    def gradient(
+        self, model: str, parameter: str, per: str | ArrayLike | None = None
+    ) -> float | Floats: ...
+
 class Sensitivity:
     displacement: Floats
     reaction: Floats
@@ -326,7 +340,10 @@ class Simulation:
         self, below: int | None = None, *, outside: Mapping[str, Any] | None = None
     ) -> Change: ...
     def equilibrate(self) -> None: ...
-    def adjoint(self, objective: Objective, tolerance: float = 1e-6) -> Adjoint: ...
+    def keep_steps(self) -> None: ...
+    def adjoint(
+        self, objective: Objective, tolerance: float | None = None, every_step: bool = False
+    ) -> Adjoint | RunAdjoint: ...
     def sensitivity(
         self,
         model: str,
@@ -379,7 +396,11 @@ class Simulation:
     ) -> Record: ...
 
 def gradient(
-    sim: Simulation, objective: Objective, wrt: Sequence[Any], tolerance: float = 1e-6
+    sim: Simulation,
+    objective: Objective,
+    wrt: Sequence[Any],
+    tolerance: float | None = None,
+    every_step: bool = False,
 ) -> tuple[float, list[Any]]: ...
 
 def check_gradient(

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Derivatives of static equilibria: objectives, adjoints and sensitivities."""
+"""Derivatives of static equilibria: objectives, adjoints and sensitivities; _run_gradients.py has
+those of runs."""
 
 from typing import NamedTuple
 
@@ -151,7 +152,7 @@ def slopes_of(objective, sim):
     return Slopes(float(value), **derivative)
 
 
-def _full(slope, sim):
+def full(slope, sim):
     """An array (vertices, 3) of a slope that may be 0."""
     return numpy.broadcast_to(slope, sim.rest.shape) if numpy.isscalar(slope) else slope
 
@@ -189,6 +190,31 @@ def usual_per(sim, model, parameter):
     return "element" if isinstance(value, numpy.ndarray) else "value"
 
 
+def gradient_by(sim, model, parameter, per, along, each):
+    """dJ/dp, see Adjoint.gradient(): along(place, weights) gives it in a direction, each(place) by
+    every value."""
+    place = place_of(sim, model)
+    per = usual_per(sim, model, parameter) if per is None else per
+    if isinstance(per, str) and per == "value":
+        return along(place, _directions(sim, place, parameter, per))
+    if isinstance(per, str) and per == "element" and sim._parameter_values(place, parameter):
+        return each(place)
+    return _directions(sim, place, parameter, per) @ each(place)
+
+
+def adjoint_of(sim, objective, tolerance, every_step):
+    """That of the kept steps, if there are any, or of the equilibrium. Errors add up over steps, so
+    the usual tolerance is smaller."""
+    if sim._kept_steps() is not None:
+        from ._run_gradients import RunAdjoint
+
+        return RunAdjoint(sim, objective, tolerance or 1e-9, every_step)
+    if every_step:
+        raise ValueError("every_step is for the steps that keep_steps() keeps; call it before the "
+                         "run")
+    return Adjoint(sim, objective, tolerance or 1e-6)
+
+
 class Adjoint:
     """The derivative of an objective at an equilibrium by everything that determines it, from
     Simulation.adjoint(). Valid until the simulation changes."""
@@ -197,7 +223,7 @@ class Adjoint:
         slopes = slopes_of(objective, sim)
         has_reactions = not numpy.isscalar(slopes.reaction)
         self._sim = sim
-        self._displacement = _full(slopes.displacement, sim)
+        self._displacement = full(slopes.displacement, sim)
         self._energy = float(slopes.energy)
         self.value = slopes.value
         found = sim._adjoint(self._displacement, slopes.reaction if has_reactions else None,
@@ -234,16 +260,11 @@ class Adjoint:
              gives the parameter
         """
         self._require_state()
-        place = place_of(self._sim, model)
-        per = usual_per(self._sim, model, parameter) if per is None else per
-        if isinstance(per, str) and per == "value":
-            weights = _directions(self._sim, place, parameter, per)
-            return self._sim._gradient_along(place, parameter, self.load, self._energy, weights)
-        if isinstance(per, str) and per == "element" and self._sim._parameter_values(
-                place, parameter):
-            return self._sim._gradient(place, parameter, self.load, self._energy)
-        directions = _directions(self._sim, place, parameter, per)
-        return directions @ self._sim._gradient(place, parameter, self.load, self._energy)
+        sim, about = self._sim, (self.load, self._energy)
+        return gradient_by(
+            sim, model, parameter, per,
+            along=lambda place, weights: sim._gradient_along(place, parameter, *about, weights),
+            each=lambda place: sim._gradient(place, parameter, *about))
 
 
 class Sensitivity:
@@ -279,19 +300,22 @@ class Sensitivity:
                 + slopes.energy * self.energy)
 
 
-def gradient(sim, objective, wrt, tolerance=1e-6):
-    """The value of an objective at the equilibrium of a simulation, and the list of its derivatives.
+def gradient(sim, objective, wrt, tolerance=None, every_step=False):
+    """The value of an objective and the list of its derivatives: at the equilibrium of a simulation,
+    or by the run since Simulation.keep_steps().
 
     objective  a Quantity, or a function of the simulation that returns (J, dJ/du), with dJ/du of
                the shape (vertices, 3), or (J, {"displacement": dJ/du, "reaction": dJ/dR,
                "energy": dJ/dW})
     wrt        a list: (model, parameter) or (model, parameter, per), see Adjoint.gradient(); or the
-               name of another derivative of the Adjoint: "load", "motion", "gravity"
-    tolerance  relative residual of the linear solve, of which there is one
+               name of another derivative of the Adjoint: "load", "motion", "gravity"; of a
+               RunAdjoint: "load", "gravity", "initial_position", "initial_velocity"
+    tolerance  relative residual of the linear solve, 1e-6, or of that of each step, 1e-9
+    every_step the objective is that of the final state (False), or the sum over the kept steps
     """
     if isinstance(wrt, tuple):
         raise TypeError(f"wrt must be a list, such as [{wrt!r}]")
-    adjoint = Adjoint(sim, objective, tolerance)
+    adjoint = adjoint_of(sim, objective, tolerance, every_step)
     return adjoint.value, [getattr(adjoint, name) if isinstance(name, str)
                            else adjoint.gradient(*name) for name in wrt]
 

@@ -284,13 +284,13 @@ class Simulation(_suture.Simulation):
 
     # ---- derivatives ----
 
-    def adjoint(self, objective, tolerance=1e-6):
-        """The derivative of an objective at this equilibrium by everything that determines it: an
-        Adjoint, whose cost is one linear solve. Raises InputError with the reason where there is
-        none. See suture.gradient() for objectives."""
-        from ._gradients import Adjoint
+    def adjoint(self, objective, tolerance=None, every_step=False):
+        """The derivative of an objective by everything that determines it: an Adjoint of this
+        equilibrium, or a RunAdjoint of the run since keep_steps(). Raises InputError with the reason
+        where there is none. See suture.gradient() for the arguments."""
+        from ._gradients import adjoint_of
 
-        return Adjoint(self, objective, tolerance)
+        return adjoint_of(self, objective, tolerance, every_step)
 
     def sensitivity(self, model, parameter, per=None, tolerance=1e-6):
         """The derivative of this equilibrium by a parameter of a model: a Sensitivity, whose cost

@@ -29,7 +29,7 @@ void require_smooth(Body& body) {
     refuse_run("contact has a derivative at equilibria only (/solver/static); take it out");
 }
 
-/// Of a column with three components.
+/// The rows of a column with three components.
 std::vector<double> three_of(const Column& column) {
   std::vector<double> numbers;
   for (Index row = 0; row < column.size(); ++row)

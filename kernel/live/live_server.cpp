@@ -27,7 +27,7 @@ std::unique_ptr<LiveServer> open_live_server(std::uint16_t port, const std::stri
   std::string problem;
   LiveServerOptions options{.port = port, .three_js = three_js_folder()};
   if (!host.empty()) options.host = host;
-  auto server = open(options, problem);
+  std::unique_ptr<LiveServer> server(open(options, problem));
   if (!server)
     throw IoError(
         "cannot listen on port " + std::to_string(port) + (host.empty() ? "" : " of " + host) +

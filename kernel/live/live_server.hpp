@@ -57,7 +57,6 @@ class LiveServer {
 std::unique_ptr<LiveServer> open_live_server(std::uint16_t port, const std::string& host = "");
 
 /// What the module exports: null, and the reason in `problem`, if it cannot listen.
-using OpenLiveServer = std::unique_ptr<LiveServer> (*)(const LiveServerOptions& options,
-                                                       std::string& problem);
+using OpenLiveServer = LiveServer* (*)(const LiveServerOptions& options, std::string& problem);
 
 }  // namespace suture

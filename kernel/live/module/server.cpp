@@ -191,10 +191,10 @@ class Server final : public LiveServer {
 }  // namespace
 }  // namespace suture::live
 
-extern "C" __attribute__((visibility("default"))) std::unique_ptr<suture::LiveServer>
-suture_open_live_server_2(const suture::LiveServerOptions& options, std::string& problem) {
+extern "C" __attribute__((visibility("default"))) suture::LiveServer* suture_open_live_server_2(
+    const suture::LiveServerOptions& options, std::string& problem) {
   try {
-    return std::make_unique<suture::live::Server>(options);
+    return new suture::live::Server(options);
   } catch (const boost::system::system_error& error) {
     problem = error.code().message();
     return nullptr;

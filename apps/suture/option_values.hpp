@@ -28,7 +28,7 @@ std::pair<std::string, std::string> named_value(const std::string& text);
 /// N=NAME of a label.
 std::pair<std::int64_t, std::string> named_label(const std::string& text);
 
-/// Why a text is no finite number > 0, or >= 0; "" if it is one.
+/// Why a text is not a finite number > 0, or >= 0; "" if it is one.
 std::string why_no_number(const std::string& text, bool positive);
 
 }  // namespace suture

@@ -64,7 +64,8 @@ class PointPairs {
   // sought again; how far in front of a triangle and beside it a point may yet be pushed; rounding
   // at rest.
   static constexpr double max_depth = 0.1, skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
-  static constexpr double same_side = 0.2;  ///< cosine of an angle at which surfaces look alike
+  /// Cosine of the angle of two normals above which their surfaces face the same way.
+  static constexpr double same_side = 0.2;
   /// The part of an earlier depth that a step takes back, and at most, in edges: edges slide past,
   /// and the points behind them are found deep at once.
   static constexpr double recovered = 0.2, max_recovery = 0.002;

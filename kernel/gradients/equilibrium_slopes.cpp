@@ -62,7 +62,7 @@ EquilibriumSlopes::EquilibriumSlopes(Dynamics& dynamics)
   const Newton::Balance balance = newton.balance(equations_at(body_, time_));
   if (balance.is_solved) return;
   std::ostringstream text;
-  text << "it is no equilibrium, as forces of " << balance.residual / balance.scale
+  text << "it is not an equilibrium, as forces of " << balance.residual / balance.scale
        << " of all are not in balance; make a step, or find the equilibrium again "
           "(equilibrate())";
   refuse(text.str());

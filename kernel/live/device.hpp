@@ -32,7 +32,7 @@ struct FeltForce {
 class Device {
  public:
   /// `text`: NAME, FILE.so, NAME:ARGUMENT or FILE.so:ARGUMENT. Throws PluginError if there is no
-  /// such library, if it is no device of this version, or if it does not open.
+  /// such library, if it is not a device of this version, or if it does not open.
   explicit Device(const std::string& text);
   ~Device();
   Device(const Device&) = delete;
@@ -56,7 +56,8 @@ class Device {
 /// NAME.so in the folder `devices` of a folder of plugins, or a file that ends in ".so". Throws
 /// PluginError with the folders and the devices that are there.
 std::filesystem::path device_file(const std::string& name);
-/// The table of a library. Throws PluginError with the reason if it is no device of this version.
+/// The table of a library. Throws PluginError with the reason if it is not a device of this
+/// version.
 const suture_device& load_device(const std::filesystem::path& file);
 
 }  // namespace suture

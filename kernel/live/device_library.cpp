@@ -1,14 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#define BOOST_DLL_USE_STD_FS
-#include <dlfcn.h>
-
 #include <algorithm>
-#include <boost/dll/shared_library.hpp>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/nearest.hpp"
 #include "kernel/live/device.hpp"
-#include "kernel/plugin_host/plugin_call.hpp"
+#include "kernel/plugin_host/library_loading.hpp"
 #include "kernel/plugin_host/plugin_search.hpp"
 
 namespace suture {
@@ -57,18 +53,14 @@ fs::path device_file(const std::string& name) {
 
 const suture_device& load_device(const fs::path& file) {
   std::error_code code;
-  if (!fs::exists(file, code)) refuse(file, "there is no such file");
+  if (!fs::exists(file, code)) refuse(file, "no such file");
   boost::dll::shared_library library;
-  const auto mode = static_cast<boost::dll::load_mode::type>(RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   PluginCall call{.function = "loading", .file = file.c_str()};
-  call_plugin(call, [&] { library.load(fs::absolute(file), mode, code); });
-  if (code || !library.is_loaded()) {
-    const char* text = dlerror();
-    refuse(file, "it cannot be loaded: " + (text != nullptr ? text : code.message()));
-  }
+  if (const std::string why = load_for_good(library, file, call); !why.empty())
+    refuse(file, "it cannot be loaded: " + why);
   if (!library.has(SUTURE_DEVICE_SYMBOL))
     refuse(file,
-           "it is no device: it exports no function " SUTURE_DEVICE_SYMBOL " (suture/device.h)");
+           "it is not a device: it exports no function " SUTURE_DEVICE_SYMBOL " (suture/device.h)");
   call.function = SUTURE_DEVICE_SYMBOL;
   const suture_device* device =
       call_plugin(call, library.get<const suture_device*()>(SUTURE_DEVICE_SYMBOL));

@@ -45,7 +45,7 @@ void check_loaded(const Elf64_Phdr& segment, std::uint64_t end_of_last) {
 ElfFile::ElfFile(const std::filesystem::path& file) {
   std::error_code code;
   const auto status = std::filesystem::status(file, code);
-  if (!std::filesystem::exists(status)) throw ElfRefusal{"there is no such file"};
+  if (!std::filesystem::exists(status)) throw ElfRefusal{"no such file"};
   if (!std::filesystem::is_regular_file(status)) throw ElfRefusal{"it is not a regular file"};
   length_ = std::filesystem::file_size(file, code);
   descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);

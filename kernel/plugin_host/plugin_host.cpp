@@ -193,7 +193,7 @@ void PluginHost::add_file(const fs::path& file) {
   auto builds = builds_of(full);
   if (builds.empty()) builds = builds_of(full.string() + ".so");
   if (builds.empty())
-    throw PluginError("plugin " + full.string() + ": there is no such file" + nearest_file(full) +
+    throw PluginError("plugin " + full.string() + ": no such file" + nearest_file(full) +
                       "; paths in a scene are relative to the scene's folder");
   const auto& best = best_build(builds);
   if (!best.note.problem.empty())

@@ -40,7 +40,7 @@ class PluginHost {
 
   /// Adds a plugin file named in a scene, already resolved against the scene's folder.
   /// "NAME.so" (".so" may be left out) means the best of NAME's builds beside it.
-  /// Throws PluginError if there is no such file or it is refused by its note.
+  /// Throws PluginError if the file does not exist or is refused by its note.
   void add_file(const std::filesystem::path& file);
 
   /// The ids of the models in these files, by their notes.

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/plugin_host/plugin_library.hpp"
 
-#define BOOST_DLL_USE_STD_FS
-#include <dlfcn.h>
-
-#include <boost/dll/shared_library.hpp>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -14,7 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/plugin_host/elf_check.hpp"
 #include "kernel/plugin_host/extension_check.hpp"
-#include "kernel/plugin_host/plugin_call.hpp"
+#include "kernel/plugin_host/library_loading.hpp"
 #include "kernel/plugin_host/table_check.hpp"
 #include "kernel/plugin_host/table_copy.hpp"
 
@@ -40,13 +36,6 @@ std::string_view hint(std::string_view loader_text) {
   if (says("static TLS"))
     return "the plugin uses initial-exec thread-local storage; build it without -ftls-model";
   return "rebuild the plugin with suture_add_plugin";
-}
-
-/// Every symbol bound now (an undefined one must not wait for its first call),
-/// none visible to other plugins, never unloaded. Boost's enumeration has no
-/// NODELETE; its value goes through to dlopen unchanged.
-boost::dll::load_mode::type mode() {
-  return static_cast<boost::dll::load_mode::type>(RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
 }
 
 void require_none(const std::vector<std::string>& problems, const std::filesystem::path& file) {
@@ -91,17 +80,10 @@ const suture_plugin& load_plugin(const std::filesystem::path& file, const Plugin
   static std::mutex one_at_a_time;  // hosts on several threads
   const std::lock_guard lock(one_at_a_time);
   boost::dll::shared_library library;
-  std::error_code code;
-  // Loading runs the constructors of the plugin's static data.
   PluginCall call{.function = "loading", .file = file.c_str()};
-  call_plugin(call, [&] { library.load(std::filesystem::absolute(file), mode(), code); });
-  if (code || !library.is_loaded()) {
-    // Boost's own message would be a misleading "Bad file descriptor".
-    const char* text = dlerror();
-    const std::string said = text != nullptr ? text : code.message();
+  if (const std::string said = load_for_good(library, file, call); !said.empty())
     refuse(file, "it cannot be loaded; message of the loader: " + said +
                      ". Hint: " + std::string(hint(said)));
-  }
   if (!library.has(SUTURE_PLUGIN_SYMBOL))
     refuse(file, std::string("it exports no function ") + SUTURE_PLUGIN_SYMBOL +
                      "; export one table per plugin (SUTURE_PLUGIN of the C++ layer does)");

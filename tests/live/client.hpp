@@ -91,7 +91,7 @@ class Client {
     for (;;)
       if (Json message = next(); message.contains(key)) return message;
   }
-  /// Bytes that are no message of a web socket.
+  /// Bytes that are not a message of a web socket.
   void send_raw(const std::string& bytes) {
     boost::asio::write(socket_.next_layer(), boost::asio::buffer(bytes));
   }

@@ -283,7 +283,7 @@ std::string bad(const std::string& name) { return BAD_DEVICES "/" + name + ".so"
 
 TEST(Devices, AreRefusedWithAReason) {
   EXPECT_THAT(refusal("pose:x"), HasSubstr("no device 'pose' (did you mean 'poses'?)"));
-  EXPECT_THAT(refusal("nowhere.so"), HasSubstr("nowhere.so: there is no such file"));
+  EXPECT_THAT(refusal("nowhere.so"), HasSubstr("nowhere.so: no such file"));
   EXPECT_THAT(refusal("poses"), HasSubstr("poses:PATH"));
   EXPECT_THAT(refusal("poses:/no/such/file"),
               HasSubstr("cannot open /no/such/file: No such file or directory"));

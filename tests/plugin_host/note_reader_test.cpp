@@ -50,7 +50,7 @@ TEST(NoteReader, SeveralModelsAreSplitAtSpaces) {
 }
 
 TEST(NoteReader, SaysWhatAFileIsThatIsNoPlugin) {
-  EXPECT_EQ(read_note("/no/such/file.so").problem, "there is no such file");
+  EXPECT_EQ(read_note("/no/such/file.so").problem, "no such file");
   EXPECT_EQ(read_note("/").problem, "it is not a regular file");
   EXPECT_EQ(problem_of(""), "it is not a shared library (not an ELF file)");
   EXPECT_EQ(problem_of("{ \"mesh\": 1 }"), "it is not a shared library (not an ELF file)");

@@ -159,7 +159,7 @@ TEST_F(PluginHostTest, RefusesFilesThatAreNoLibraries) {
   EXPECT_THAT(message_of([&] { host.add_file(root / "a" / "text.so"); }),
               EndsWith("text.so: it is not a shared library (not an ELF file)"));
   EXPECT_THAT(message_of([&] { host.add_file(root / "a" / "txt.so"); }),
-              HasSubstr("there is no such file (did you mean 'text.so'?)"));
+              HasSubstr("no such file (did you mean 'text.so'?)"));
   // Found on the search path under the model's name: the same reason, not "not found".
   EXPECT_THAT(message_of([&] { host.model("text"); }),
               EndsWith("text.so: it is not a shared library (not an ELF file)"));

@@ -4,10 +4,8 @@
 import csv
 import json
 import os
-import signal
 import subprocess
 import tempfile
-import time
 import unittest
 import warnings
 from pathlib import Path
@@ -351,15 +349,8 @@ class CommandLine(InFolder):
     def test_control_c_and_on(self):
         self.study(set={"/solver/dt": 1e-6, "/solver/end": 0.3, "/output": False}, output=False,
                    grid={E: [1e5 + i for i in range(8)]})
-        process = subprocess.Popen([os.environ["SUTURE_PROGRAM"], "sweep", "study.json"],
-                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
-        while not list(Path(".").glob("out/runs/*/result.json")):
-            self.assertIsNone(process.poll(), "it ends before it is stopped")
-            time.sleep(0.02)
-        os.killpg(process.pid, signal.SIGINT)
-        _, said = process.communicate()
-        self.assertEqual(process.returncode, 130, said)
-        self.assertIn("the same command continues", said)
+        self.stop_when(lambda: list(Path(".").glob("out/runs/*/result.json")), "sweep",
+                       "study.json")
         self.assertLess(len(list(Path(".").glob("out/runs/*/result.json"))), 8)
 
 

@@ -59,7 +59,7 @@ class FitResult:
         return f"<suture.FitResult: {values}; chi2 = {self.chi2:.4g} of {self.count} values>"
 
     def _texts(self):
-        """(name, "3.01e+04 +- 120") of what is no field."""
+        """(name, "3.01e+04 +- 120") of what is not a field."""
         for pointer, value in self.values.items():
             name = pointer.rpartition("/")[2]
             error = self.errors.get(pointer)

@@ -176,7 +176,7 @@ class Unknowns:
             sim.parameters[sim._models()[model]].update(values)
 
     def sets(self, p):
-        """What is no parameter of a model, as values to build a scene with."""
+        """What is not a parameter of a model, as values to build a scene with."""
         return {unknown.pointer: float(numbers[0]) for unknown, numbers in self.parts(p)
                 if unknown.model is None}
 
@@ -191,8 +191,8 @@ def require_options(pointer, options):
     """Raises ValueError for a mistake in an entry of "fit"."""
     where = f"/fit: {pointer!r}"
     if not MODEL.fullmatch(pointer) and options.get("per", "value") != "value":
-        raise ValueError(f"{where} is no parameter of a model ('/models/0/parameters/E'), so per "
-                         "must be \"value\"")
+        raise ValueError(f"{where} is not a parameter of a model ('/models/0/parameters/E'), "
+                         "so per must be \"value\"")
     low, high = options["range"]
     if options.get("log", False) and low <= 0:
         raise ValueError(f"{where} has a logarithm, so its range must be > 0; is {[low, high]}")

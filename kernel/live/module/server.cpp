@@ -39,7 +39,7 @@ bool is_same(std::string_view a, std::string_view b) {
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 /// A page of another site, or one that has a name of its own resolve to this machine, has no
-/// business here. Programs that are no browsers send no origin. Where others may connect, they use
+/// business here. Programs other than browsers send no origin. Where others may connect, they use
 /// any of the names of this machine.
 bool is_own_page(const Request& request, const Room& room) {
   const std::string_view host = view_of(request[http::field::host]);

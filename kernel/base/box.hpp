@@ -27,6 +27,13 @@ inline void include(Box& box, const Vec3& p) {
   }
 }
 
+/// Whether a point is in the box, or at most `margin` beside it.
+inline bool contains(const Box& box, const Vec3& p, double margin = 0) {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (p[a] < box.low[a] - margin || p[a] > box.high[a] + margin) return false;
+  return true;
+}
+
 /// Whether they have a point in common.
 inline bool overlap(const Box& a, const Box& b) {
   return a.low[0] <= b.high[0] && b.low[0] <= a.high[0] && a.low[1] <= b.high[1] &&

@@ -4,40 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernel/base/rows.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/contact/place_grid.hpp"
+#include "kernel/geometry/surface_tree.hpp"
 #include "kernel/topology/islands.hpp"
 
 namespace suture {
-namespace {
-
-/// The weights of the corners for the place of a triangle that is nearest to p (Ericson, Real-Time
-/// Collision Detection, 2005, 5.1.5).
-Vec3 nearest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = minus(b, a), ac = minus(c, a), ap = minus(p, a);
-  const double d1 = dot(ab, ap), d2 = dot(ac, ap);
-  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  const Vec3 bp = minus(p, b);
-  const double d3 = dot(ab, bp), d4 = dot(ac, bp);
-  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-  const Vec3 cp = minus(p, c);
-  const double d5 = dot(ab, cp), d6 = dot(ac, cp);
-  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double w = (d4 - d3) / (d4 - d3 + d5 - d6);
-    return {0, 1 - w, w};
-  }
-  const double all = va + vb + vc;
-  return {va / all, vb / all, vc / all};
-}
-
-}  // namespace
-
 void PointPairs::find() {
   if (is_stale_) find_pieces();
   if (may_meet_ && (is_stale_ || has_moved())) find_near();
@@ -66,10 +40,7 @@ void PointPairs::find_pieces() {
   may_meet_ = islands.existing() > 1 || points_.has_lips();
 }
 
-Vec3 PointPairs::place(Index point) const {
-  const double* x = points_.positions() + 4 * std::size_t{point};
-  return {x[0], x[1], x[2]};
-}
+Vec3 PointPairs::place(Index point) const { return row(points_.positions(), point); }
 
 bool PointPairs::has_moved() const {
   const double limit = edge_ * skin / 2;
@@ -97,8 +68,7 @@ void PointPairs::find_near() {
     for (const Index p : grid.find(enlarged(box, reach), except))
       if (may_touch(p, t)) near_.push_back({p, t});
   }
-  std::ranges::sort(near_);
-  near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
+  sort_unique(near_);
 }
 
 /// Within a piece, lips touch lips, and not what was behind them at rest, where only material is in
@@ -137,9 +107,9 @@ void PointPairs::add_nearest(std::span<const Near> of_point) {
     if (!(size > 0) || dot(normals_[p], areas_[triangle]) > same_side * size * norm(normals_[p]))
       continue;
     const auto& [a, b, c] = points_.triangles()[triangle];
-    const Vec3 of = nearest_weights(at, place(a), place(b), place(c));
+    const Weights of = nearest_in(place(a), place(b), place(c), at);
     const Vec3 foot =
-        plus(scaled(of[0], place(a)), plus(scaled(of[1], place(b)), scaled(of[2], place(c))));
+        plus(scaled(of.a, place(a)), plus(scaled(of.b, place(b)), scaled(of.c, place(c))));
     const Vec3 offset = minus(at, foot), normal = scaled(1 / size, areas_[triangle]);
     const double gap = dot(offset, normal), distance = norm(offset);
     if (distance >= least || gap > margin * edge_ ||
@@ -147,7 +117,7 @@ void PointPairs::add_nearest(std::span<const Near> of_point) {
       continue;
     least = distance;
     nearest = triangle;
-    weights = of;
+    weights = {of.a, of.b, of.c};
     towards = normal;
   }
   if (nearest == none) return;

@@ -9,6 +9,7 @@
 #include "kernel/base/aligned.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/gradients/total_forces.hpp"
 
 namespace suture {
 namespace {
@@ -63,12 +64,8 @@ class Rebuilt {
   /// The forces of the models and of gravity, 3 numbers per vertex.
   std::vector<double> forces(double time, const Vec3& gravity) {
     AlignedVector<double> rows(std::size_t{attributes_.vertex_count()} * 4);
-    std::vector<double> forces;
     models_->add_forces(time, 0, ForceLoop::Part::all, rows.data());
-    for (Index v = 0; v < attributes_.vertex_count(); ++v)
-      for (std::size_t c = 0; c < 3; ++c)
-        forces.push_back(rows[std::size_t{v} * 4 + c] + attributes_.mass().get(v, 0) * gravity[c]);
-    return forces;
+    return with_weight(rows.data(), attributes_, gravity);
   }
   double energy(double time) { return models_->energy(time); }
 

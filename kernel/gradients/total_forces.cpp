@@ -19,18 +19,20 @@ std::vector<double> product(Body& body, double time, const std::vector<double>& 
 
 }  // namespace
 
-std::vector<double> total_forces(Body& body, double time) {
-  Attributes& attributes = body.attributes();
-  const Index vertices = attributes.vertex_count();
-  AlignedVector<double> rows(std::size_t{vertices} * 4);
-  for (const auto& term : body.terms())
-    term->add_forces(time, attributes.kernel(0).cells.live(), rows.data());
-  const Vec3 gravity = body.acceleration(time);
+std::vector<double> with_weight(const double* rows, Attributes& attributes, const Vec3& gravity) {
   std::vector<double> forces;
-  for (Index v = 0; v < vertices; ++v)
+  for (Index v = 0; v < attributes.vertex_count(); ++v)
     for (std::size_t c = 0; c < 3; ++c)
       forces.push_back(rows[std::size_t{v} * 4 + c] + attributes.mass().get(v, 0) * gravity[c]);
   return forces;
+}
+
+std::vector<double> total_forces(Body& body, double time) {
+  Attributes& attributes = body.attributes();
+  AlignedVector<double> rows(std::size_t{attributes.vertex_count()} * 4);
+  for (const auto& term : body.terms())
+    term->add_forces(time, attributes.kernel(0).cells.live(), rows.data());
+  return with_weight(rows.data(), attributes, body.acceleration(time));
 }
 
 std::vector<double> elastic_forces(Body& body, double time) {

@@ -7,6 +7,9 @@
 
 namespace suture {
 
+/// Forces in rows of 4 and m g, 3 numbers per vertex.
+std::vector<double> with_weight(const double* rows, Attributes& attributes, const Vec3& gravity);
+
 /// The forces of all terms on a body, gravity included, N: 3 numbers per vertex.
 std::vector<double> total_forces(Body& body, double time);
 

@@ -22,12 +22,6 @@ Vec3 place_of(const double* rows, std::size_t stride, Index v) {
   return {x[0], x[1], x[2]};
 }
 
-bool is_in(const Box& box, const Vec3& p) {
-  for (std::size_t c = 0; c < 3; ++c)
-    if (p[c] < box.low[c] || p[c] > box.high[c]) return false;
-  return true;
-}
-
 /// Files may repeat the points of each triangle.
 TriangleSurface with_shared_points(TriangleSurface surface) {
   std::vector<Index> order(surface.points.size()), number(order.size());
@@ -94,7 +88,7 @@ std::vector<double> SurfacePatch::heights(const CellComplex& complex, const doub
   for (Index v = 0; v < heights.size(); ++v) {
     if (!complex.exists(0, v)) continue;
     const Vec3 place = place_of(rows, stride, v);
-    if (!is_in(box, place) || !surface_.tree().is_within(place, within)) continue;
+    if (!contains(box, place) || !surface_.tree().is_within(place, within)) continue;
     const OrientedSurface::Foot foot = surface_.foot(place, last);
     last = foot.triangle;
     const Nearest nearest = OrientedSurface::distance(foot, place, 1e-12 * size);

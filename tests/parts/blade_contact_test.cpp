@@ -9,6 +9,7 @@
 #include "kernel/base/vec3.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/run/simulation.hpp"
+#include "tests/parts/blade_event.hpp"
 #include "tests/run/equilibrium.hpp"
 
 namespace suture::test {
@@ -25,9 +26,7 @@ Scene slab() {
       {"table", "/contact/obstacles/0", HalfSpace{{0, 0, 0}, {0, 0, 1}}, {}, 0.4}};
   scene.solver.damping = 3;
   scene.solver.dt = 2e-3;
-  Event cut;
-  cut.what = CutPlane{.point = {4.1, 2.1, 1.4}, .normal = oblique, .along_blade = true};
-  cut.path = "/events/0";
+  Event cut = divide({4.1, 2.1, 1.4}, oblique);
   cut.at = 0.3;
   scene.events = {cut};
   return scene;
@@ -170,9 +169,7 @@ Scene pressed_block(bool is_cut, double friction) {
   scene.contact.friction = friction;
   scene.solver.damping = 5;
   scene.solver.end = 3;
-  Event cut;
-  cut.what = CutPlane{.point = {2.1, 1.9, 3.1}, .normal = {0.35, 0.15, 1}, .along_blade = true};
-  cut.path = "/events/0";
+  Event cut = divide({2.1, 1.9, 3.1}, {0.35, 0.15, 1});
   cut.at = is_cut ? 0.05 : 3;
   scene.events = {cut};
   return scene;

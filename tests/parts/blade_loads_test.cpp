@@ -9,6 +9,7 @@
 #include "kernel/base/vec3.hpp"
 #include "kernel/run/simulation.hpp"
 #include "tests/forces/load_sums.hpp"
+#include "tests/parts/blade_event.hpp"
 #include "tests/run/equilibrium.hpp"
 #include "tests/run/open_scene.hpp"
 
@@ -19,18 +20,11 @@ using spring_model::forces_of_term;
 
 const Vec3 normal = scaled(1 / norm({1, 0.3, 0.6}), {1, 0.3, 0.6});
 
-Event cut_along_plane(const Vec3& point, const Vec3& across) {
-  Event event;
-  event.what = CutPlane{.point = point, .normal = across, .along_blade = true};
-  event.path = "/events/0";
-  return event;
-}
-
 /// A bar of 8 x 3 x 3 elements of 1 m, cut by an oblique plane.
 Scene bar() {
   Scene scene = block(tree_plugins(), "tm-faure", {8, 3, 3}, {8, 3, 3},
                       {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}});
-  scene.events = {cut_along_plane({4.1, 1.4, 1.6}, normal)};
+  scene.events = {divide({4.1, 1.4, 1.6}, normal)};
   return scene;
 }
 
@@ -82,7 +76,7 @@ TEST(BladeLoads, APressureActsOnTheSurfaceOfPiecesAndNotOnLips) {
   for (Scene scene : {bar(), ball()}) {
     scene.loads = {pressure(100)};
     scene.output.surface = true;
-    scene.events.push_back(cut_along_plane({4.1, 1.4, 1.6}, {0.2, 1, 0.1}));
+    scene.events.push_back(divide({4.1, 1.4, 1.6}, {0.2, 1, 0.1}));
     OpenScene open(scene);
     open.events.fire(0, 0);
     const Vec3 area = area_of_lip(open);
@@ -120,7 +114,7 @@ TEST(BladeLoads, OnlyLoadedTrianglesStayLoaded) {
   Scene scene = bar();
   scene.loads = {pressure(50)};
   scene.loads[0].where = at({any, any, 3});
-  scene.events = {cut_along_plane({4.1, 1.4, 3}, {0.2, 0.1, 1})};
+  scene.events = {divide({4.1, 1.4, 3}, {0.2, 0.1, 1})};
   OpenScene open(scene);
   open.events.fire(0, 0);
   Vec3 total{};

@@ -11,6 +11,7 @@
 #include "kernel/base/vec3.hpp"
 #include "kernel/build/check_parts.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
+#include "tests/parts/blade_event.hpp"
 #include "tests/run/open_scene.hpp"
 
 namespace suture {
@@ -21,13 +22,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
-
-Event along(const Vec3& point, const Vec3& normal) {
-  Event event;
-  event.what = CutPlane{.point = point, .normal = normal, .along_blade = true};
-  event.path = "/events/0";
-  return event;
-}
 
 /// A bar of 8 x 2 x 2 elements of 1 m, cut at 30 degrees.
 Scene bar() {
@@ -42,14 +36,14 @@ Scene bar() {
   scene.models.push_back(use);
   scene.output.fields = {"displacement", "element_id"};
   scene.output.surface = true;
-  scene.events = {along({6, 1, 1}, {std::cos(M_PI / 6), 0, std::sin(M_PI / 6)})};
+  scene.events = {test::divide({6, 1, 1}, {std::cos(M_PI / 6), 0, std::sin(M_PI / 6)})};
   return scene;
 }
 
 Scene ball() {
   Scene scene = bar();
   test::fill(scene, test::sphere_surface({3, 0, 0}, 1, 4), 0.2);
-  scene.events = {along({3, 0, 0.05}, {0.3, 0.2, 1})};
+  scene.events = {test::divide({3, 0, 0.05}, {0.3, 0.2, 1})};
   return scene;
 }
 
@@ -147,8 +141,8 @@ TEST(BladeScene, SelectionsByNumberFindCopies) {
 
 TEST(BladeScene, CopiesOfCopiesHaveTheNumberOfTheElementInTheMesh) {
   Scene scene = bar();
-  scene.events.push_back(along({6, 1, 1}, {1, 0.3, -0.4}));
-  scene.events.push_back(along({6, 1, 1}, {1, -0.7, 0.2}));
+  scene.events.push_back(test::divide({6, 1, 1}, {1, 0.3, -0.4}));
+  scene.events.push_back(test::divide({6, 1, 1}, {1, -0.7, 0.2}));
   Built bar_of(scene);
   for (std::size_t i = 0; i < 3; ++i) bar_of.events.fire(i, 0);
   Body& body = bar_of.built.body();
@@ -221,7 +215,7 @@ TEST(BladeScene, RefusesMeshesThatAreNoGrid) {
 }
 
 TEST(BladeScene, RefusesCutsForWhichItIsNotPrepared) {
-  const Event event = along({0, 0, 0}, {1, 0, 0});
+  const Event event = test::divide({0, 0, 0}, {1, 0, 0});
   EXPECT_THAT(error_of<InputError>([&] { check_parts(event, {}, false); }),
               StartsWith("/events/0/cut/along: the scene has no cut along a blade"));
   EXPECT_NO_THROW(check_parts(event, {}, true));

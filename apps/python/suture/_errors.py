@@ -18,3 +18,14 @@ def report_error(error):
                       "please report it"), 6
     print(f"suture: error: {text}", file=sys.stderr)
     return code
+
+
+def exit_code_of_study(main, work):
+    """Calls main(), which the same command continues if it is stopped, and reports its error."""
+    try:
+        return main()
+    except KeyboardInterrupt:
+        print(f"suture: stopped; the same command continues the {work}", file=sys.stderr)
+        return 130
+    except Exception as error:
+        return report_error(error)

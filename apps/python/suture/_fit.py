@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy
 
-from ._errors import report_error
+from ._errors import exit_code_of_study
 from ._fit_evaluation import STATE, Record, rho
 from ._fit_field import fit_field
 from ._fit_file import problem_of, read_fit
@@ -206,15 +206,5 @@ def main():
     return 0 if result.outcome == "converged" else 5
 
 
-def _guarded():
-    try:
-        return main()
-    except KeyboardInterrupt:
-        print("suture: stopped; the same command continues the fit", file=sys.stderr)
-        return 130
-    except Exception as error:
-        return report_error(error)
-
-
 if __name__ == "__main__":
-    sys.exit(_guarded())
+    sys.exit(exit_code_of_study(main, "fit"))

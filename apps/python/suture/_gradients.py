@@ -79,28 +79,21 @@ class Quantity:
         """Its value in the state of a simulation."""
         return self._slopes(sim).value
 
-    def __add__(self, other):
+    def _with(self, other, slopes_of):
         other = _quantity(other)
         if other is NotImplemented:
             return other
+        return Quantity(lambda sim: slopes_of(self._slopes(sim), other._slopes(sim)))
 
-        def slopes(sim):
-            a, b = self._slopes(sim), other._slopes(sim)
-            return a.plus(a.value + b.value, b)
-
-        return Quantity(slopes)
+    def __add__(self, other):
+        return self._with(other, lambda a, b: a.plus(a.value + b.value, b))
 
     def __mul__(self, other):
-        other = _quantity(other)
-        if other is NotImplemented:
-            return other
-
-        def slopes(sim):
-            a, b = self._slopes(sim), other._slopes(sim)
+        def product(a, b):
             value = a.value * b.value
             return a.scaled(value, b.value).plus(value, b.scaled(value, a.value))
 
-        return Quantity(slopes)
+        return self._with(other, product)
 
     def __neg__(self):
         return self.map(lambda x: -x, lambda x: -1.0)

@@ -21,7 +21,7 @@ import warnings
 from multiprocessing import connection
 from pathlib import Path
 
-from ._errors import report_error
+from ._errors import exit_code_of_study
 from ._results import TABLES
 from ._scene import is_text, set_texts, source_of, to_json
 from ._study_file import is_number, is_whole, read_study, require_count, require_jobs
@@ -413,15 +413,5 @@ def main(words=None):
     return 5 if failed else 0
 
 
-def _guarded():
-    try:
-        return main()
-    except KeyboardInterrupt:
-        print("suture: stopped; the same command continues the study", file=sys.stderr)
-        return 130
-    except Exception as error:
-        return report_error(error)
-
-
 if __name__ == "__main__":
-    sys.exit(_guarded())
+    sys.exit(exit_code_of_study(main, "study"))

@@ -53,6 +53,9 @@ EquilibriumSlopes::EquilibriumSlopes(Dynamics& dynamics)
     refuse(
         "it is a state of motion; set /solver/static for derivatives of equilibria, or call "
         "keep_steps() for those of a run");
+  if (!body_.fields().empty())
+    refuse("fields such as '" + body_.fields().front().field().name +
+           "' have no derivatives; choose models without them");
   require_terms(body_, time_);
   Newton& newton = *dynamics.newton();
   if (newton.holds_free_pieces())

@@ -21,6 +21,9 @@ namespace {
 void require_smooth(Body& body) {
   if (body.models().keeps_states())
     refuse_run("a model has a memory, on which its forces depend; choose models without one");
+  if (!body.fields().empty())
+    refuse_run("fields such as '" + body.fields().front().field().name +
+               "' have no derivatives; choose models without them");
   if (!body.models().depends_on_positions_alone())
     refuse_run("the forces of a model depend on velocities; choose models without damping");
   bool touches = body.contact() != nullptr;

@@ -20,6 +20,7 @@
 #include "kernel/scene/cell_values.hpp"
 #include "kernel/scene/constraint.hpp"
 #include "kernel/scene/event.hpp"
+#include "kernel/scene/field_condition.hpp"
 #include "kernel/scene/scene_places.hpp"
 #include "kernel/scene/selection.hpp"
 #include "kernel/topology/import.hpp"
@@ -176,6 +177,7 @@ struct Scene {
   TimeRamp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<Load> loads;
+  std::vector<FieldCondition> fields;
   ContactOptions contact;
   std::vector<Event> events;  ///< by time (Event::start)
   SolverOptions solver;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "kernel/mesh/box.hpp"
 #include "kernel/topology/cell_complex.hpp"
 #include "tests/fields/field_scene.hpp"
 
@@ -101,6 +102,25 @@ TEST(Conduction, ASteadyFluxMakesALinearProfile) {
       300, "where": {"set": "x0"}}, {"field": "temperature", "flux": 50, "where": {"set": "x1"}}])"));
   run.run_to(1);
   EXPECT_LT(run.error([](double x) { return 300 + 50 / 2.0 * x; }), 1e-8);
+}
+
+TEST(Conduction, ALinearProfileIsExactOnDistortedElements) {
+  Scene scene = bar(5, R"("static": {"frames": 1})", R"("fields": [{"field": "temperature", "fix":
+      0, "where": {"set": "x0"}}, {"field": "temperature", "fix": 1, "where": {"set": "x1"}}])");
+  Mesh mesh = make_box({.size = {1, 0.25, 0.25}, .cells = {5, 3, 3}});
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    Vec3& p = mesh.points[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double length = c == 0 ? 1 : 0.25, edge = c == 0 ? 0.2 : 0.08;
+      if (p[c] > 1e-9 && p[c] < length - 1e-9)
+        p[c] += 0.3 * edge * std::sin(static_cast<double>(7 * i + 3 * c));
+    }
+  }
+  scene.mesh = {};
+  scene.mesh.given = std::make_shared<const Mesh>(std::move(mesh));
+  FieldRun run(scene);
+  run.run_to(1);
+  EXPECT_LT(run.error([](double x) { return x; }), 1e-9);
 }
 
 TEST(Conduction, AFluxFillsAnInsulatedBar) {

@@ -159,6 +159,8 @@ class cell {
   using element = lane_type<real>;  ///< double or float
 
   static constexpr bool sets_forces = Purpose == purpose::force;
+  /// The rest shapes for which the functor is written.
+  static constexpr std::uint32_t shape = Functor::shape;
 
   SUTURE_INLINE cell(const suture_context* context, const batch_of<T>* batch, int lane,
                      element* force = nullptr, const element* dx = nullptr,

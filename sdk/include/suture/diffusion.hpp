@@ -79,8 +79,27 @@ SUTURE_INLINE void diffusion_rates(const vec3<R> (&X)[8], const T (&u)[8], const
   s.scatter(r);
 }
 
+/// The same in a parallelepiped: J is that of its edges. A third of the operations.
+template <class T, class R, class K>
+SUTURE_INLINE void diffusion_rates_of_parallelepiped(const vec3<R> (&X)[8], const T (&u)[8],
+                                                     const K& k, T (&r)[8]) {
+  const mat3<R> J = mean_edges(X), cof = cofactor(J);
+  const R weight = common_weight<2> * reciprocal(dot(J.column[0], cof.column[0]));
+  R metric[3][3];
+  for (int d = 0; d < 3; ++d)
+    for (int e = 0; e < 3; ++e) metric[d][e] = (k * weight) * dot(cof.column[d], cof.column[e]);
+  detail::scalar_gradients<T> g(u), s;
+  for (T(&axis)[4] : s.along)
+    for (T& value : axis) value = T(0.0);
+  for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
+    for (int d = 0; d < 3; ++d)
+      for (int e = 0; e < 3; ++e) s.at(d, i, j, q) += metric[d][e] * g.at(e, i, j, q);
+  });
+  s.scatter(r);
+}
+
 /// Sets the rates of a cell whose field diffuses with conductivity k. The functor reads rest
-/// positions.
+/// positions; one for parallelepipeds only (`shape`) is three times as fast.
 template <class Cell, class K>
 SUTURE_INLINE void diffuse(const Cell& c, const K& k) {
   using T = typename Cell::scalar;
@@ -90,7 +109,10 @@ SUTURE_INLINE void diffuse(const Cell& c, const K& k) {
     X[n] = c.rest(n);
     u[n] = c.field(n);
   }
-  diffusion_rates(X, u, k, r);
+  if constexpr (Cell::shape == SUTURE_PARALLELEPIPED)
+    diffusion_rates_of_parallelepiped(X, u, k, r);
+  else
+    diffusion_rates(X, u, k, r);
   for (int n = 0; n < 8; ++n) c.rate(n, r[n]);
 }
 

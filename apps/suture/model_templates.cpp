@@ -108,7 +108,7 @@ struct @Struct@ : suture::model, suture::on_volumes {
   static constexpr suture::column<0> concentration{};
   static constexpr suture::attribute attributes[] = {
       suture::vertex_field("concentration", "mol/m^3", "Moles per volume"),
-      suture::lumped_capacity<@Struct@>("volume", "mol/(mol/m^3)", "Volume of the nodes")};
+      suture::lumped_capacity<@Struct@>("volume", "m^3", "Volume of the nodes")};
   static constexpr auto reads = SUTURE_READ_REST;
   static constexpr auto rate_of = concentration;
   static constexpr auto vertex_columns = suture::columns(concentration);

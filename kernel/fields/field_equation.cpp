@@ -162,11 +162,13 @@ std::string FieldEquation::balance_text() const {
   return text.str();
 }
 
-/// "J/K" times "K" is "J".
+/// "J/K" times "K" is "J", "m^3" times "mol/m^3" is "mol".
 std::string FieldEquation::unit_of_content() const {
   const std::string capacity = field_.capacity ? field_.capacity->spec().unit : "";
   const std::string per = "/" + field_.unit;
   if (capacity.ends_with(per)) return capacity.substr(0, capacity.size() - per.size());
+  if (const std::string whole = "/" + capacity; field_.unit.ends_with(whole))
+    return field_.unit.substr(0, field_.unit.size() - whole.size());
   return capacity.empty() ? field_.unit : capacity + ' ' + field_.unit;
 }
 

@@ -454,7 +454,7 @@ void RunLoop::finish(Observer& observer) {
 }
 
 void RunLoop::summarise() {
-  if (!built_.dynamics().is_static()) {
+  if (built_.dynamics().has_balance()) {
     summary_.exchanged = control_.guard().exchanged();
     summary_.balance = control_.guard().open_balance() * summary_.exchanged;
   }

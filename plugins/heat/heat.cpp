@@ -72,13 +72,13 @@ struct Thermoelastic : suture::continuum<Thermoelastic> {
   static constexpr const char *id = "thermoelastic",
                               *doc = "Neo-Hookean solid that expands and softens with temperature",
                               *formula =
-                                  "W = s J_T W_0(F / g), g = exp(alpha (T - T0)), J_T = g^3, s "
-                                  "= max(1 - softening (T - T0), least), W_0 = mu/2 (I1 - 3 "
-                                  "- 2 ln J) + lambda/2 (ln J)^2",
+                                  "W = s g^3 W_0(F / g), g = exp(alpha (T - T0)), s = "
+                                  "exp(-softening (T - T0)), W_0 = mu/2 (I1 - 3 - 2 ln J) + "
+                                  "lambda/2 (ln J)^2",
                               *citation =
                                   "S. C. H. Lu, K. S. Pister, Int. J. Solids Struct. 11, "
                                   "1975, 927";
-  enum { mu, lambda, rho, alpha, softening, least, reference };
+  enum { mu, lambda, rho, alpha, softening, reference };
   static constexpr suture::parameter parameters[] = {
       suture::number("mu", "Pa", "Shear modulus at T0").above(0),
       suture::number("lambda", "Pa", "First Lame constant at T0").at_least(0),
@@ -87,10 +87,6 @@ struct Thermoelastic : suture::continuum<Thermoelastic> {
       suture::number("softening", "1/K", "Part of the stiffness that is lost per kelvin")
           .at_least(0)
           .or_else(0),
-      suture::number("least", "1", "Part of the stiffness that stays at any temperature")
-          .above(0)
-          .at_most(1)
-          .or_else(0.01),
       suture::number("T0", "K", "Temperature without expansion").above(0).or_else(room)};
   static double density(const suture::values& p) { return p[rho]; }
 
@@ -99,13 +95,12 @@ struct Thermoelastic : suture::continuum<Thermoelastic> {
   template <class T, class P, class At>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P& p, const At& at) {
     const auto warmer = at.field[0] - p[reference];
-    const auto stiffness = max(1.0 - p[softening] * warmer, p[least]);
     // The invariants of F / g by their excess, and ln g; exact near rest.
     const auto ln_growth = p[alpha] * warmer, less = expm1(-2.0 * ln_growth);
     const T excess_I = excess_I1(F) * (1.0 + less) + 3.0 * less;
     const T ln_j = log1p(excess_J(F)) - 3.0 * ln_growth;
     const T stored = 0.5 * p[mu] * (excess_I - 2.0 * ln_j) + 0.5 * p[lambda] * ln_j * ln_j;
-    return stiffness * exp(3.0 * ln_growth) * stored;
+    return exp(3.0 * ln_growth - p[softening] * warmer) * stored;
   }
 };
 

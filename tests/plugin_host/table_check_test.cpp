@@ -308,7 +308,8 @@ const TableCase attribute_cases[] = {
        t.attributes[1].flags = SUTURE_CAPACITY;
      },
      MODEL ", attribute 'k': has SUTURE_CAPACITY: expected dimension 0, 1 component, policy "
-           "SUTURE_FROM_VOLUMES and neither a trial copy nor another use"},
+           "SUTURE_FROM_VOLUMES and neither a trial copy nor another use\n" MODEL
+           ", functor 'edges': its cell column 1 has SUTURE_CAPACITY, which no functor reads"},
 };
 
 const TableCase functor_cases[] = {

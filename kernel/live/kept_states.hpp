@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernel/base/archive.hpp"
+#include "kernel/live/device_hand.hpp"
 #include "kernel/live/hand.hpp"
 
 namespace suture {
@@ -19,6 +20,7 @@ struct KeptState {
   std::uint64_t step = 0;
   std::size_t inputs = 0;  ///< number of recorded ones before it
   std::optional<Hand> hand{};
+  std::optional<DeviceHand::Cursor> cursor{};  ///< of a device
   StateTree state{};
   std::uint64_t id = 0;  ///< given by keep(), ascending
 };

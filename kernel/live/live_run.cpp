@@ -7,6 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/live/adjustable.hpp"
 #include "kernel/live/json_text.hpp"
+#include "kernel/run/checkpoints.hpp"
 
 namespace suture {
 namespace {
@@ -52,7 +53,8 @@ class LiveRun::Reporter final : public Observer {
 LiveRun::LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, LiveServer& server,
                  std::filesystem::path recording)
     : scene_(scene), host_(host), diagnostics_(diagnostics), server_(server) {
-  build(0);
+  build(0, nullptr);
+  header_ = checkpoint_header(simulation_->built(), host);
   recording_.emplace(std::move(recording), scene_, *simulation_);
 }
 
@@ -128,6 +130,18 @@ void LiveRun::show_last() {
   report_warnings();
   status_.is_playing = false;
   if (server_.is_watched()) server_.show(pictures_->picture(status_));
+}
+
+void LiveRun::resume(Checkpoint checkpoint, const std::filesystem::path& file, Observer& observer) {
+  require_fit(checkpoint.header, header_, file);
+  start_.emplace(std::move(checkpoint.state));
+  load_checkpoint(file, [&] { simulation_->load(*start_); });
+  pictures_->find_surface_again();
+  recording_ = RecordingWriter(recording_->path(), scene_, *simulation_, file);
+  for (const char* grasp : {hand_name, device_grasp_name})
+    if (!simulation_->built().body().constraints().held_by(grasp).empty())
+      apply(release_input(grasp), observer);
+  tell_lists();  // values may have changed
 }
 
 bool LiveRun::continue_from(const Recording& recording, Observer& observer) {

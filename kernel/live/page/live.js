@@ -214,6 +214,7 @@ $('#reset').onclick = () => send({ do: 'reset' });
 $('#back').onclick = () => send({ do: 'back' });
 $('#keep').onclick = () => send({ do: 'keep' });
 $('#kept').onchange = (event) => send({ do: 'back', to: Number(event.target.value) });
+$('#checkpoint').onclick = () => send({ do: 'checkpoint' });
 $('#scene').onclick = () => send({ do: 'scene' });
 $('#save-picture').onclick = () => save_picture(picture.canvas, file_name());
 $('#save-video').onclick = toggle_video;

@@ -140,6 +140,12 @@ Vec3 DeviceHand::place() const {
   return plus(pose.place(pose.centre), simulation_.origin());
 }
 
+Vec3 DeviceHand::rotation() const {
+  if (!obstacle_) return rotation_between(no_rotation, turn_of(pose_));
+  return rotation_vector(
+      simulation_.contact()->obstacles()[*obstacle_].motion.pose(simulation_.time()));
+}
+
 std::string DeviceHand::holds() const {
   return obstacle_ ? "obstacle '" + simulation_.contact()->obstacles()[*obstacle_].name + "'"
                    : "what button 0 grasps";

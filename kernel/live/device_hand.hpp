@@ -55,6 +55,8 @@ class DeviceHand {
   FeltForce force() const;
   /// Where the hand is in the scene, m.
   Vec3 place() const;
+  /// How it is turned: the obstacle since the scene began, or the device; vector, rad.
+  Vec3 rotation() const;
   /// "obstacle 'knife'", or "what button 0 grasps".
   std::string holds() const;
 

@@ -144,7 +144,8 @@ void LiveRun::reset(Observer& observer) {
 void LiveRun::go_back(const Json& input, Observer& observer) {
   require_own("go back");
   const bool takes_back = !input.contains("to");
-  KeptState kept = takes_back ? kept_.take_last_action() : kept_.take(input["to"]);
+  KeptState kept =
+      takes_back ? kept_.take_last_action() : kept_.take(whole_number(input["to"], "'to'"));
   build(pictures_->last_number(), &kept.state);
   hand_ = kept.hand;
   if (device_hand_ && kept.cursor) device_hand_->return_to(*kept.cursor);

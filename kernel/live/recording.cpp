@@ -27,7 +27,7 @@ std::string file_text(const std::filesystem::path& path) {
 }
 
 void read_header(const Lines& line, Recording& recording) {
-  if (line.at("recording").get<int>() != version)
+  if (line.at("recording") != version)
     throw InputError("it has version " + line.at("recording").dump() + " of the format, not " +
                      std::to_string(version));
   recording.program = line.at("program");
@@ -38,7 +38,8 @@ void read_header(const Lines& line, Recording& recording) {
                       {}};
   recording.writes_results = line.value("results", true);
   recording.checkpoint = line.value("checkpoint", std::string());
-  recording.first_step = recording.last_step = line.value("step", std::uint64_t{0});
+  recording.first_step = recording.last_step =
+      whole_number(line.value("step", Lines(0U)), "its step");
   recording.start = line.at("state");
 }
 
@@ -55,11 +56,10 @@ void go_back(Recording& recording, std::uint64_t step, std::size_t inputs) {
 }
 
 void read_line(const Lines& line, Recording& recording) {
-  if (!line.at("step").is_number_unsigned())
-    throw InputError("its step is not a whole number from 0 on");
-  const auto step = line.at("step").get<std::uint64_t>();
+  const std::uint64_t step = whole_number(line.at("step"), "its step");
   if (line.contains("reset")) return go_back(recording, recording.first_step, 0);
-  if (line.contains("back")) return go_back(recording, step, line.at("inputs").get<std::size_t>());
+  if (line.contains("back"))
+    return go_back(recording, step, whole_number(line.at("inputs"), "its number of inputs"));
   if (step < recording.last_step) throw InputError("its step is before that of the line above");
   recording.last_step = step;
   if (line.contains("end"))

@@ -152,7 +152,10 @@ TEST_F(ToolInHand, PushesTheBodyAndIsPushed) {
   const Json later = state_after(pressed["step"].get<std::uint64_t>() + 200);
   EXPECT_GT(later["device"]["poses_per_second"], 500);
   EXPECT_GT(later["device"]["exchanges_per_second"], 50);
+  EXPECT_EQ(later["device"]["rotation"], Json({0, 0, 0}));
   hand.move({0, -0.12, 0}, {0.05, 0, 0}, 100);
+  hand.send("0 0.05 0 0 0 0 0.3 0");
+  state([](const Json& head) { return head["device"]["rotation"][2] > 0.2; });
   state([](const Json& head) { return std::abs(head["device"]["force"][1].get<double>()) < 5; });
   stop();
   EXPECT_GT(std::ranges::count_if(read_recording(recording()).inputs, comes_from_device), 50);

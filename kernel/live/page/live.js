@@ -54,7 +54,8 @@ function take_message(buffer) {
 
 // The next picture may come while this one is drawn.
 picture.before_drawing = () => {
-  show_force();
+  show_force(live.state?.hand, $('#force'));
+  show_force(live.state?.device, $('#device-force'));
   if (!is_awaited) return;
   is_awaited = false;
   ++live.drawn;
@@ -115,12 +116,12 @@ function show_numbers(head) {
   $('#legend-bottom').textContent = digits(picture.range[0], 3);
 }
 
-function show_force() {
-  const hand = live.state?.hand, text = $('#force');
-  text.style.visibility = hand ? 'visible' : 'hidden';
-  if (!hand) return;
-  const [x, y] = picture.on_canvas(from_scene(hand.place));
-  text.textContent = `${digits(Math.hypot(...hand.force), 3)} N`;
+// The force on what is held, beside it.
+function show_force(held, text) {
+  text.style.visibility = held ? 'visible' : 'hidden';
+  if (!held) return;
+  const [x, y] = picture.on_canvas(from_scene(held.place));
+  text.textContent = `${digits(Math.hypot(...held.force), 3)} N`;
   text.style.left = `${x + 14}px`;
   text.style.top = `${y - 8}px`;
 }

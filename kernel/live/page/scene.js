@@ -2,6 +2,7 @@
 //
 // The picture: body, edges, obstacles and camera, drawn when something has changed.
 import * as THREE from './three/build/three.module.js';
+import { Force, Pen } from './held.js';
 
 // Viridis at nine places.
 const colours = [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725]
@@ -38,13 +39,9 @@ export class Picture {
     this.range = [0, 0];
     this.obstacles = [];
     this.add_body();
-    this.arrow = new THREE.ArrowHelper(this.up, this.middle, 1, 0xcc0000);
-    this.arrow.visible = false;
-    for (const part of [this.arrow.line, this.arrow.cone]) {
-      part.material.depthTest = false;  // it often points into the body
-      part.renderOrder = 1;
-    }
-    this.scene.add(this.arrow);
+    this.force = new Force(this.scene, 0xcc0000);
+    this.device_force = new Force(this.scene, 0x1155cc);
+    this.pen = new Pen(this.scene, 0x1155cc);
     this.before_drawing = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -138,7 +135,7 @@ export class Picture {
     });
     this.show_blades(head.blades);
     if (this.radius === 0) this.look_at_body(positions);
-    this.show_force(head.hand);
+    this.show_held(head.hand, head.device);
     this.draw();
   }
 
@@ -148,16 +145,11 @@ export class Picture {
     this.blades.geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(ends), 3));
   }
 
-  // The force of a hand, in parts of the largest that it had.
-  show_force(hand) {
-    if (!hand) this.largest_force = 0;
-    this.arrow.visible = Boolean(hand);
-    if (!hand) return;
-    const force = new THREE.Vector3(...hand.force), size = force.length();
-    this.largest_force = Math.max(this.largest_force, size);
-    this.arrow.position.set(...hand.place.map((x, axis) => x - this.origin[axis]));
-    this.arrow.setDirection(size > 0 ? force.normalize() : this.up);
-    this.arrow.setLength(Math.max(0.5 * this.radius * size / (this.largest_force || 1), 1e-3 * this.radius));
+  show_held(hand, device) {
+    const place = (held) => held && new THREE.Vector3(...held.place.map((x, axis) => x - this.origin[axis]));
+    this.force.show(hand, place(hand), 0.5 * this.radius);
+    this.device_force.show(device, place(device), 0.5 * this.radius);
+    this.pen.show(device, place(device), this.up, 0.15 * this.radius);
   }
 
   // ---- camera ----

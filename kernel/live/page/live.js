@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Messages from and to the run, and everything on the page beside the picture.
-import { Picture, colour_at } from './scene.js';
+import { colour_at } from './look.js';
+import { Picture } from './scene.js';
 import { follow_mouse } from './hands.js';
 import { show_values } from './panel.js';
 import { Plots } from './plots.js';
 import { Video, save_picture, save_text } from './save.js';
-import { Color } from './three/build/three.module.js';
 
 const $ = (selector) => document.querySelector(selector);
 const picture = new Picture($('#picture'));
@@ -144,9 +144,9 @@ function show_message(kind, text) {
 }
 
 function draw_legend() {
-  const canvas = $('#legend canvas'), pen = canvas.getContext('2d'), colour = new Color();
+  const canvas = $('#legend canvas'), pen = canvas.getContext('2d');
   for (let y = 0; y < canvas.height; ++y) {
-    pen.fillStyle = '#' + colour_at(1 - y / (canvas.height - 1), colour).getHexString();
+    pen.fillStyle = `rgb(${colour_at(1 - y / (canvas.height - 1)).join()})`;
     pen.fillRect(0, y, canvas.width, 1);
   }
 }
@@ -223,7 +223,7 @@ $('#speed').onchange = (event) => send({ do: 'speed', value: Number(event.target
 $('#field').onchange = (event) => send({ do: 'field', name: event.target.value });
 $('#ghost').onchange = (event) => { picture.ghost.visible = event.target.checked; picture.draw(); };
 $('#show-side').onchange = (event) => { $('#side').classList.toggle('open', event.target.checked); plots.draw(); };
-$('#edges').onchange = (event) => { picture.edges.visible = event.target.checked; picture.draw(); };
+$('#edges').onchange = (event) => { picture.shows_edges = event.target.checked; picture.draw(); };
 $('#clip').onchange = clip;
 $('#clip-at').oninput = clip;
 document.addEventListener('keydown', (event) => {

@@ -163,7 +163,8 @@ void LiveRun::keep(const std::string& name, bool is_before_action) {
       name, is_before_action, simulation_->time(), simulation_->step(), recording_->inputs(),
       hand_};
   if (device_hand_) kept.cursor = device_hand_->cursor();
-  kept.state = simulation_->save();
+  StateTree spare = kept_.take_spare();
+  kept.state = simulation_->save(&spare);
   kept_.keep(std::move(kept));
   tell_lists();
 }

@@ -106,11 +106,17 @@ void LiveRun::run(Observer& observer) {
     for (const std::string& text : server_.take_inputs()) obey(text, reporter);
     report_warnings();
     show();  // before steps, which may take long
+    prepare_to_keep();
     if (status_.is_playing)
       make_due_steps(reporter);
     else
       server_.wait(idle);
   }
+}
+
+/// Who acts shall not wait for memory: after a picture was shown, some is taken for the next state.
+void LiveRun::prepare_to_keep() {
+  if (own_ && is_shown_ && !kept_.has_spare()) kept_.set_spare(simulation_->save());
 }
 
 void LiveRun::end() {

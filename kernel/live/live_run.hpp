@@ -78,6 +78,7 @@ class LiveRun {
   void require_own(const std::string& what) const;
   void fail(const std::string& why);
   void show();
+  void prepare_to_keep();
   void measure(std::uint64_t steps, double simulated);
   void report_warnings();
   void tell(const char* key, const std::string& text);

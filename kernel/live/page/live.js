@@ -159,9 +159,20 @@ const in_scene = (point) => point.toArray().map((x, axis) => x + live.greeting.o
 const from_scene = (place) => place.map((x, axis) => x - live.greeting.origin[axis]);
 const apply = (event) => { if (live.control) send({ do: 'apply', event }); };
 
-// A mouse moves more often than a hand needs to know.
+// A mouse moves more often than a hand needs to know; where it stops counts.
 const drag_interval = 30;  // ms
-let dragged = 0;
+let dragged = 0, drag_timer = 0;
+
+function send_drag(point) {
+  clearTimeout(drag_timer);
+  const rest = dragged + drag_interval - performance.now();
+  if (rest > 0) {
+    drag_timer = setTimeout(send_drag, rest, point);
+    return;
+  }
+  dragged = performance.now();
+  send({ do: 'drag', to: in_scene(point) });
+}
 
 const hands = {
   is_path: () => $('#cut').value === 'path',
@@ -189,11 +200,10 @@ const hands = {
     if (live.control) send({ do: 'grab', at: in_scene(point) });
   },
   drag(point) {
-    if (!live.control || performance.now() - dragged < drag_interval) return;
-    dragged = performance.now();
-    send({ do: 'drag', to: in_scene(point) });
+    if (live.control) send_drag(point);
   },
   let_go() {
+    clearTimeout(drag_timer);
     if (live.control) send({ do: 'let_go' });
   },
 };

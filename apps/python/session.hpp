@@ -90,6 +90,8 @@ class Session {
   /// None if no steps are kept.
   KeptSteps* kept_steps() { return run_.kept_steps.get(); }
   std::shared_ptr<SessionState> copy();
+  /// Saves a checkpoint from which `suture run --resume` and `suture live` go on.
+  void save_checkpoint(const std::filesystem::path& file);
   /// Builds the run again and loads the state. If that fails, nothing has changed.
   void restore(const SessionState& state);
   // ---- live view: live.cpp ----
@@ -150,7 +152,7 @@ class Session {
   PluginHost host_{&diagnostics_};
   Scene scene_;
   Run run_;
-  std::string mesh_hash_;
+  CheckpointHeader header_;
   Observing observer_{*this};
   std::size_t warned_ = 0;
   std::optional<std::string> outcome_, failure_;

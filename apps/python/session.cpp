@@ -236,12 +236,16 @@ EventOutcome Session::apply(const std::string& text, const std::string& name) {
   return outcome;
 }
 
-EventOutcome Session::cut(TriangleSurface surface, bool rest_shape, bool along_blade) {
+EventOutcome Session::cut(TriangleSurface surface, bool rest_shape,
+                          std::optional<bool> along_blade) {
   Event event;
   event.path = "event";
   event.rest_shape = rest_shape;
-  event.what = CutSurface{
-      {}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface)), along_blade};
+  event.what = CutSurface{{},
+                          1,
+                          {},
+                          std::make_shared<const TriangleSurface>(std::move(surface)),
+                          along_blade.value_or(scene_.added_cuts_follow_blade())};
   EventOutcome outcome = apply(event);
   forgo_recording("a surface of arrays has cut");
   return outcome;

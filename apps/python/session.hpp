@@ -71,7 +71,7 @@ class Session {
 
   /// Applies the event of a JSON text, whose name in messages is `name`.
   EventOutcome apply(const std::string& text, const std::string& name);
-  EventOutcome cut(TriangleSurface surface, bool rest_shape, bool along_blade);
+  EventOutcome cut(TriangleSurface surface, bool rest_shape, std::optional<bool> along_blade);
   void set_position(const py::array& values);
   void set_velocity(const py::array& values);
   /// Simulation::steer().

@@ -138,6 +138,46 @@ class Runs:
                             for parts in self._parts])
 
 
+class Followed(Runs):
+    """A Test whose scene is run as a whole, with the derivatives of the run."""
+
+    def start(self, p, with_slopes):
+        """(values (m, k), derivatives (m, k, numbers)). Raises NoDerivatives with the reason where
+        there are none."""
+        values, _ = super().start(p, with_slopes)
+        return values, self._at_times(lambda moment: moment.slopes)
+
+    evaluate = start
+
+    def _simulate(self, p):
+        from . import InputError
+
+        sim = super()._simulate(p)
+        try:
+            sim._follow(list(self.unknowns.directions(sim)), ADJOINT_TOLERANCE)
+        except InputError as error:
+            raise NoDerivatives(str(error)) from None
+        return sim
+
+    def _reach(self, time, p):
+        from . import InputError
+
+        try:
+            super()._reach(time, p)
+        except InputError as error:
+            raise NoDerivatives(str(error)) from None
+
+    def _moment(self, p):
+        moment = super()._moment(p)
+        slopes = []
+        for number in range(self.unknowns.size):
+            moved, reaction = self._sim._followed(number)
+            has_reaction = moment.reading.by_reaction is not None
+            slopes.append(moment.reading.along(moved, reaction if has_reaction else None))
+        moment.slopes = numpy.column_stack(slopes)
+        return moment
+
+
 class Equilibria(Runs):
     """A Test of equilibria, with derivatives."""
 

@@ -7,7 +7,7 @@ import warnings
 import numpy
 
 from ._fit_evaluation import Evaluation, Record
-from ._fit_run import Equilibria, Failed, NoDerivatives, Runs
+from ._fit_run import Equilibria, Failed, Followed, NoDerivatives, Runs
 from ._fit_workers import Workers
 
 DIFFERENCE = 1e-3  # of the range
@@ -19,16 +19,16 @@ FAILED = 10.0  # what a failed evaluation counts, as a multiple of the first one
 
 
 class Derivatives:
-    """Evaluates the tests by equilibria that are kept. The times of a test are shared between
-    processes."""
+    """Evaluates the tests by equilibria that are kept, or by runs whose derivatives are followed
+    (kind). The times of a test of equilibria are shared between processes."""
 
-    def __init__(self, problem, jobs, with_slopes=True):
+    def __init__(self, problem, jobs, with_slopes=True, kind=Equilibria):
         self.problem = problem
         self._with_slopes = with_slopes
-        shares = max(1, jobs // len(problem.tests))
+        shares = max(1, jobs // len(problem.tests)) if kind is Equilibria else 1
         self._chunks = [(t, slice(i, None, shares)) for t, test in enumerate(problem.tests)
                         for i in range(min(shares, len(test.times)))]
-        self.workers = Workers([Equilibria(problem.tests[t].rows(rows), problem.unknowns)
+        self.workers = Workers([kind(problem.tests[t].rows(rows), problem.unknowns)
                                 for t, rows in self._chunks], jobs)
         self._method = "start"
         self._slopes_at = None
@@ -197,6 +197,10 @@ def fit_values(problem, q, jobs, record):
             if not record.goes_on:
                 q = _better_start(problem, q, jobs)
             return _least_squares(problem, q, Derivatives(problem, jobs), record)
+        except NoDerivatives:
+            pass
+        try:
+            return _least_squares(problem, q, Derivatives(problem, jobs, kind=Followed), record)
         except NoDerivatives as error:
             reason = str(error)
     else:

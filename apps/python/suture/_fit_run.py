@@ -13,6 +13,7 @@ import numpy
 TOLERANCE = 1e-3  # of sensitivities: Gauss-Newton's method needs directions
 ADJOINT_TOLERANCE = 1e-6
 ROUNDING = 1e-9  # of times
+FEW_ELEMENTS = 200_000  # of all equilibria together, some 2 kB each
 
 
 class NoDerivatives(Exception):
@@ -48,6 +49,7 @@ class _Equilibrium(_Moment):
     def __init__(self, sim, reading):
         super().__init__(sim.time, reading)
         self.state = sim.copy()
+        self.sim = None  # one of its own, from the first visit on
         self.is_start = sim.steps == 0  # at rest, whatever the parameters are
         self.position = sim.position.copy()
         self.slopes = None
@@ -219,15 +221,24 @@ class Equilibria(Runs):
 
     def _visit(self, equilibrium, p):
         """Finds the equilibrium with these parameters."""
-        sim = self._sim
-        if self._current is not equilibrium:
-            sim.restore(equilibrium.state)
-        self._current = None
+        sim = self._go_to(equilibrium, p)
         self.unknowns.apply(sim, p)
         sim.position = equilibrium.guess(p)
         sim.equilibrate()
         equilibrium.position = sim.position.copy()
         self._current = equilibrium
+
+    def _go_to(self, equilibrium, p):
+        """A simulation in its state: its own one, which keeps its preconditioner, if all of them
+        take little memory."""
+        current, self._current = self._current, None
+        if equilibrium.sim is None and current is not equilibrium:
+            if len(self._moments) * len(self._sim.element_ids) <= FEW_ELEMENTS:
+                self._sim = equilibrium.sim = self._simulate(p)
+            self._sim.restore(equilibrium.state)
+        elif equilibrium.sim is not None:
+            self._sim = equilibrium.sim
+        return self._sim
 
     def _after_step(self, p):
         """Whether there are derivatives is asked as early as possible."""

@@ -123,18 +123,34 @@ def start_at(method, problem, q):
                      f"start and at both ends fail; at the start: {why}")
 
 
+class _Converged(Exception):
+    """The next evaluation would change nothing."""
+
+
 class _Cached:
     """An evaluation per q, as SciPy asks for residuals and derivatives one after the other."""
 
     def __init__(self, method, record):
         self._method, self._record = method, record
+        self._loss, self._little = record.problem.loss, record.problem.tolerance
         self._last = None
 
     def at(self, q):
         if self._last is None or not numpy.array_equal(self._last.q, q):
+            if self._promises_little(q):
+                raise _Converged
             self._last = self._method.at(q)
             self._record.add(self._last)
         return self._last
+
+    def _promises_little(self, q):
+        """Whether the linear model expects chi2 to stay as it is where the optimiser goes from the
+        best place."""
+        best = self._record.best
+        if self._loss != "linear" or best is not self._last or len(self._record.history) < 2:
+            return False
+        expected = best.residuals + best.jacobian @ (q - best.q)
+        return best.chi2 - expected @ expected < self._little * best.chi2
 
     def residuals(self, q):
         try:
@@ -160,10 +176,13 @@ def _least_squares(problem, q, method, record):
         first = start_at(method, problem, q)
         require_effect(first, problem.unknowns.labels)
         cached.keep(first)
-        found = scipy.optimize.least_squares(
-            cached.residuals, q, cached.jacobian, bounds=(0, 1), x_scale="jac", loss=problem.loss,
-            ftol=10 * problem.tolerance, xtol=problem.tolerance, gtol=1e-12,
-            max_nfev=problem.most_evaluations)
+        try:
+            found = scipy.optimize.least_squares(
+                cached.residuals, q, cached.jacobian, bounds=(0, 1), x_scale="jac",
+                loss=problem.loss, ftol=10 * problem.tolerance, xtol=problem.tolerance, gtol=1e-12,
+                max_nfev=problem.most_evaluations)
+        except _Converged:
+            return "converged", "chi2 can no longer change"
     reasons = {1: "the gradient is zero", 2: "chi2 no longer changes",
                3: "the values no longer change", 4: "neither chi2 nor the values change"}
     if found.status in reasons:

@@ -207,9 +207,22 @@ void keep_steps(Session& session, std::optional<std::size_t> states, std::option
   session.keep_steps(limit);
 }
 
-/// Follows the derivatives by (place of the model, name, weights) from now on.
-void follow(Session& session, const WantedParameters& parameters, double tolerance) {
-  session.follow(wanted_of(session, parameters), tolerance);
+/// (two simulations of scenes that differ in a number, which is larger and smaller by a step; the
+/// step), see ParameterDirection.
+using OtherScenes = std::vector<std::tuple<Session*, Session*, double>>;
+
+/// Follows the derivatives by these, one after the other, from now on.
+void follow(Session& session, const WantedParameters& parameters, const OtherScenes& others,
+            double tolerance) {
+  std::vector<ParameterDirection> wanted = wanted_of(session, parameters);
+  for (const auto& [up, down, step] : others) {
+    ParameterDirection direction;
+    direction.up = &up->between_steps().built().body();
+    direction.down = &down->between_steps().built().body();
+    direction.step = step;
+    wanted.push_back(std::move(direction));
+  }
+  session.follow(std::move(wanted), tolerance);
 }
 
 /// (du/dp, dR/dp) of a parameter that is followed.

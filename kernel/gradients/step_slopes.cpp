@@ -186,6 +186,36 @@ void StepSlopes::back_through_start(const StepEquations& equations, const StepEn
   use(false, moment, multipliers);
 }
 
+StepSlopes::External StepSlopes::external(const ParameterDirection& parameter,
+                                          const StepEnds& step) const {
+  External change{std::vector<double>(mass_.size()), std::vector<double>(mass_.size())};
+  if (parameter.instance != nullptr) return change;
+  for (const auto& [body, sign] : {std::pair(parameter.up, 1.0), std::pair(parameter.down, -1.0)}) {
+    Attributes& attributes = body->attributes();
+    if (std::size_t{attributes.vertex_count()} * 3 != mass_.size())
+      refuse_run("cells changed before " + time_text(step.end));
+    double* const x = attributes.position().rows();
+    std::ranges::copy(step.position, x);
+    add(change.forces, load_forces(*body, step.end), sign / (2 * parameter.step));
+    body->constraints().apply(attributes, step.end);
+    for (std::size_t i = 0; i < mass_.size(); ++i)
+      if (!is_free_[i]) change.motion[i] += sign * x[row_of(i)] / (2 * parameter.step);
+  }
+  return change;
+}
+
+/// The derivative of values that depend on a parameter and on the part of it that has changed.
+std::vector<double> StepSlopes::slope_of(const ParameterDirection& parameter, const Moment& moment,
+                                         const ValuesAt& values_at) {
+  if (parameter.instance != nullptr)
+    return ParameterSlopes(body_, moment, *parameter.instance, parameter.name)
+        .of(parameter.weights, values_at);
+  std::vector<double> slope = values_at(parameter.step);
+  add(slope, values_at(-parameter.step), -1);
+  for (double& value : slope) value /= 2 * parameter.step;
+  return slope;
+}
+
 // dr = d(f + m (g - a' - alpha v')) at fixed x', with dv' = dv* - r dx* there
 void StepSlopes::forward(const StepEnds& step, const ParameterDirection& parameter,
                          double tolerance, StateSensitivity& slope) {
@@ -209,20 +239,24 @@ void StepSlopes::forward(const StepEnds& step, const ParameterDirection& paramet
       moment.inertia[i] =
           equations->acceleration * (step.position[row_of(i)] - equations->position[row_of(i)]) +
           alpha * velocity[row_of(i)];
-  ParameterSlopes slopes(body_, moment, *parameter.instance, parameter.name);
-  std::vector<double> right = slopes.of(parameter.weights, [&](double part) {
+  const External change = external(parameter, step);
+  std::vector<double> right = slope_of(parameter, moment, [&](double part) {
     move_states(states, now.states, part);
     return balanced_forces(body_, moment);
   });
+  states_.set_accepted(states);
+  add(right, change.forces);
+  add(right, tangent(body_, at, change.motion));
   std::vector<double> speed = now.velocity;
   add(speed, now.position, -rate);
   for (std::size_t i = 0; i < mass_.size(); ++i)
     right[i] += mass_[i] * (equations->acceleration * now.position[i] - alpha * speed[i]);
   add(right, damping_tangent(body_, at, speed));
-  const std::vector<double> moved = solve(*equations, right, tolerance);
+  std::vector<double> moved = solve(*equations, right, tolerance);
+  add(moved, change.motion);
   add(speed, moved, rate);
 
-  std::vector<double> ends = slopes.of(parameter.weights, [&](double part) {
+  std::vector<double> ends = slope_of(parameter, moment, [&](double part) {
     move_states(states, now.states, part);
     for (std::size_t i = 0; i < mass_.size(); ++i) {
       attributes.position().rows()[row_of(i)] = step.position[row_of(i)] + part * moved[i];
@@ -237,7 +271,7 @@ void StepSlopes::forward(const StepEnds& step, const ParameterDirection& paramet
   now = {moved, std::move(speed), {forces, ends.end()}};
   slope.reaction.assign(mass_.size(), 0);
   for (std::size_t i = 0; i < mass_.size(); ++i)
-    if (!is_free_[i]) slope.reaction[i] = -ends[i];
+    if (!is_free_[i]) slope.reaction[i] = -ends[i] - change.forces[i];
 }
 
 /// The accepted states, and a part of a direction.

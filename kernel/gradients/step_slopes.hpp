@@ -44,9 +44,13 @@ std::vector<double> rows_of(const Column& column);
 
 /// A parameter of a model.
 struct ParameterDirection {
-  Instance* instance;
-  std::string name;
+  Instance* instance = nullptr;
+  std::string name{};
   std::vector<double> weights{};  ///< in this direction of its values; empty: each of them
+  /// Without an instance: a number of the scene that changes loads, gravity or motions of
+  /// constraints, by the bodies of two scenes, in which it is larger and smaller by `step`.
+  Body *up = nullptr, *down = nullptr;
+  double step = 0;
 };
 
 /// dJ/d(a state of a run).
@@ -86,8 +90,8 @@ class StepSlopes {
   /// derivative.
   void backward(const StepEnds& step, const ObjectiveSlopes& objective, double tolerance,
                 StateSlope& slope, const Use& use);
-  /// From the derivatives of its start by a parameter, at fixed motions of what is held, to those
-  /// of its end, in the same way. Throws InputError for explicit schemes and for Newmark's, too.
+  /// From the derivatives of its start by a parameter, or by a number of the scene, to those of its
+  /// end, in the same way. Throws InputError for explicit schemes and for Newmark's, too.
   void forward(const StepEnds& step, const ParameterDirection& parameter, double tolerance,
                StateSensitivity& slope);
   /// dJ/d(the place of each component at the end of the last step), where it is held; else 0.
@@ -107,6 +111,14 @@ class StepSlopes {
                   std::vector<double>& states) const;
   std::vector<double> solve(const StepEquations& equations, const std::vector<double>& right,
                             double tolerance);
+  /// What a number of a scene changes at fixed positions of free components.
+  struct External {
+    std::vector<double> forces, motion;  ///< N and m over its unit, 3 numbers per vertex
+  };
+  External external(const ParameterDirection& parameter, const StepEnds& step) const;
+  using ValuesAt = std::function<std::vector<double>(double part)>;
+  std::vector<double> slope_of(const ParameterDirection& parameter, const Moment& moment,
+                               const ValuesAt& values_at);
   void move_states(const std::vector<double>& states, const std::vector<double>& way,
                    double part) const;
   void require_solved(const StepEquations& equations);

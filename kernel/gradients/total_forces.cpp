@@ -18,6 +18,14 @@ std::vector<double> product(Body& body, const TangentTime& at, const std::vector
   return out;
 }
 
+/// Forces in rows of 4 with those of all terms but the models, gravity included.
+std::vector<double> with_loads(Body& body, double time, AlignedVector<double>& rows) {
+  Attributes& attributes = body.attributes();
+  for (const auto& term : body.loads())
+    term->add_forces(time, attributes.kernel(0).cells.live(), rows.data());
+  return with_weight(rows.data(), attributes, body.acceleration(time));
+}
+
 }  // namespace
 
 std::vector<double> with_weight(const double* rows, Attributes& attributes, const Vec3& gravity) {
@@ -29,12 +37,14 @@ std::vector<double> with_weight(const double* rows, Attributes& attributes, cons
 }
 
 std::vector<double> total_forces(Body& body, const TangentTime& at) {
-  Attributes& attributes = body.attributes();
-  AlignedVector<double> rows(std::size_t{attributes.vertex_count()} * 4);
+  AlignedVector<double> rows(std::size_t{body.attributes().vertex_count()} * 4);
   body.models().add_forces(at.time, at.dt, ForceLoop::Part::all, rows.data());
-  for (const auto& term : body.loads())
-    term->add_forces(at.time, attributes.kernel(0).cells.live(), rows.data());
-  return with_weight(rows.data(), attributes, body.acceleration(at.time));
+  return with_loads(body, at.time, rows);
+}
+
+std::vector<double> load_forces(Body& body, double time) {
+  AlignedVector<double> rows(std::size_t{body.attributes().vertex_count()} * 4);
+  return with_loads(body, time, rows);
 }
 
 std::vector<double> balanced_forces(Body& body, const Moment& moment) {

@@ -21,6 +21,8 @@ std::vector<double> with_weight(const double* rows, Attributes& attributes, cons
 /// of length dt, those of models with a memory depend on it.
 std::vector<double> total_forces(Body& body, const TangentTime& at);
 
+/// The same without those of the models.
+std::vector<double> load_forces(Body& body, double time);
 /// The same at a moment of a run: f - m a.
 std::vector<double> balanced_forces(Body& body, const Moment& moment);
 

@@ -133,14 +133,34 @@ class Values(unittest.TestCase):
             self.assertEqual("differences of whole runs" in said, integrator == "newmark", said)
             self.assert_true_values(result)
 
+    def test_loads_and_motions_of_the_scene(self):
+        """Of equilibria and of a motion; their derivatives follow the run."""
+        way, pull = "/constraints/1/move/translation/0", "/loads/0/traction/1"
+        load = {"traction": [0, 1e3, 0], "where": {"box": {"min": [1, 1, 0], "max": [2.25, 1, 1]}}}
+        motion = {"integrator": "implicit-euler", "dt": 0.1, "end": 1, "threads": 1}
+        truth = {**TRUE, way: 0.4, pull: 2e3}
+        pulled = moved([0.3, 0, 0], loads=[load])
+        for scene in (pulled, {**pulled, "solver": motion}):
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                result = suture.fit(scene, {way: {"range": [0.1, 0.8]},
+                                            pull: {"range": [-1e4, 1e4]}},
+                                    [test_of(scene, truth)], set=TRUE)
+            self.assertNotIn("differences", " ".join(str(w.message) for w in caught))
+            self.assertLessEqual(result.evaluations, 8)
+            for pointer in (way, pull):
+                self.assertLess(abs(result.values[pointer] / truth[pointer] - 1), 1e-3, result)
+
     def test_other_values_of_the_scene(self):
-        pulled = moved([0.4, 0, 0])
-        pointer = "/constraints/1/move/translation/0"
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            result = suture.fit(pulled, {pointer: {"range": [0.1, 0.8], "start": 0.3}},
-                                [test_of(pulled)], set=TRUE)
-        self.assertAlmostEqual(result.values[pointer], 0.4, 4)
+        sagging = bar(output=PROBES, gravity=[0, -1, 0], solver={
+            "integrator": "implicit-euler", "dt": 0.1, "end": 1, "threads": 1, "damping": 1})
+        pointer = "/solver/damping"
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            result = suture.fit(sagging, {pointer: {"range": [0.1, 8], "start": 3}},
+                                [test_of(sagging)], set=TRUE)
+        self.assertIn("no number of a load or a motion", " ".join(str(w.message) for w in caught))
+        self.assertAlmostEqual(result.values[pointer], 1, 3)
 
     def test_an_outlier_and_a_loss(self):
         pulled = moved([0.4, 0, 0], 10)

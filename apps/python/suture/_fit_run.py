@@ -13,6 +13,7 @@ import numpy
 TOLERANCE = 1e-3  # of sensitivities: Gauss-Newton's method needs directions
 ADJOINT_TOLERANCE = 1e-6
 ROUNDING = 1e-9  # of times
+EXTERNAL = ("/loads/", "/gravity/", "/constraints/")
 FEW_ELEMENTS = 200_000  # of all equilibria together, some 2 kB each
 
 
@@ -156,10 +157,21 @@ class Followed(Runs):
 
         sim = super()._simulate(p)
         try:
-            sim._follow(list(self.unknowns.directions(sim)), ADJOINT_TOLERANCE)
+            self._others = [self._beside(p, *other) for other in self.unknowns.of_scenes(p)]
+            sim._follow(list(self.unknowns.directions(sim)), self._others, ADJOINT_TOLERANCE)
         except InputError as error:
             raise NoDerivatives(str(error)) from None
         return sim
+
+    def _beside(self, p, pointer, value, step):
+        """Simulations with a number of the scene on both sides, and the step to each."""
+        from . import Simulation
+
+        if not pointer.startswith(EXTERNAL):
+            raise NoDerivatives(f"{pointer} is no number of a load or a motion")
+        sets = {"/solver/threads": 1, **self.test.set, **self.unknowns.sets(p)}
+        return (*(Simulation(self.test.scene, {**sets, pointer: value + way})
+                  for way in (step, -step)), step)
 
     def _reach(self, time, p):
         from . import InputError
@@ -176,7 +188,7 @@ class Followed(Runs):
             moved, reaction = self._sim._followed(number)
             has_reaction = moment.reading.by_reaction is not None
             slopes.append(moment.reading.along(moved, reaction if has_reaction else None))
-        moment.slopes = numpy.column_stack(slopes)
+        moment.slopes = numpy.column_stack(slopes)[:, self.unknowns.order]
         return moment
 
 

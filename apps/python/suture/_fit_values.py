@@ -211,18 +211,12 @@ def _better_start(problem, q, jobs):
 
 def fit_values(problem, q, jobs, record):
     """(outcome, reason)."""
-    if problem.unknowns.are_of_models:
+    for kind in (Equilibria, Followed) if problem.unknowns.are_of_models else (Followed,):
         try:
-            if not record.goes_on:
+            if kind is Equilibria and not record.goes_on:
                 q = _better_start(problem, q, jobs)
-            return _least_squares(problem, q, Derivatives(problem, jobs), record)
-        except NoDerivatives:
-            pass
-        try:
-            return _least_squares(problem, q, Derivatives(problem, jobs, kind=Followed), record)
+            return _least_squares(problem, q, Derivatives(problem, jobs, kind=kind), record)
         except NoDerivatives as error:
             reason = str(error)
-    else:
-        reason = "not only parameters of models are fitted"
     warnings.warn(f"the fit uses differences of whole runs: {reason}", stacklevel=3)
     return _least_squares(problem, q, Differences(problem, jobs), record)

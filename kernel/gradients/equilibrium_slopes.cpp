@@ -38,7 +38,9 @@ void require_terms(Body& body, double time) {
           "or keep the pieces apart");
   });
   if (body.models().keeps_states())
-    refuse("a model has a memory, on which its forces depend; choose models without one");
+    refuse(
+        "a model has a memory, on which its forces depend; call keep_steps() before the run, whose "
+        "derivatives contain it");
   if (!body.is_conservative(time))
     refuse(
         "its tangent is not symmetric, as under a pressure up to a free edge or with a model "
@@ -51,8 +53,8 @@ EquilibriumSlopes::EquilibriumSlopes(Dynamics& dynamics)
     : dynamics_(dynamics), body_(dynamics.body()), time_(dynamics.time()) {
   if (!dynamics.is_static())
     refuse(
-        "it is a state of motion; set /solver/static for derivatives of equilibria, or call "
-        "keep_steps() for those of a run");
+        "it is a state of motion; set /solver/static for derivatives of equilibria, or take the "
+        "adjoint() of a run since keep_steps()");
   require_terms(body_, time_);
   Newton& newton = *dynamics.newton();
   if (newton.holds_free_pieces())

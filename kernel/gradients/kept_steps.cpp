@@ -51,7 +51,9 @@ void KeptSteps::keep() {
   if (time < last)
     broken_ = "a step was rejected, and the run went back to " + time_text(time);
   else if (held_by(body_.attributes()).size() != held_.size())
-    broken_ = "a cut has changed the vertices before " + time_text(time);
+    broken_ = "a cut has changed the vertices before " + time_text(time) +
+              "; take the runs before and after it, of two simulations, as one (gradient([first, "
+              "second], ...))";
   else if (held_by(body_.attributes()) != held_)
     broken_ = "constraints hold other vertices from " + time_text(time) + " on";
   else if (dynamics_.motion().is_frozen())

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <set>
 
+#include "kernel/gradients/followed_slopes.hpp"
 #include "kernel/gradients/kept_steps.hpp"
 #include "tests/run/beam.hpp"
 
@@ -49,17 +50,24 @@ void PrintTo(const Case& run, std::ostream* out) { *out << name_of(run); }
 /// is loaded and unloaded from equilibrium to equilibrium.
 class Running : private Observer {
  public:
-  Running(const Case& run, const Values& values, StepReplay::Limit limit = {})
+  /// `follow`: a parameter whose derivatives are followed.
+  Running(const Case& run, const Values& values, StepReplay::Limit limit = {},
+          const std::string& follow = {})
       : simulation_(scene(run, values), tree_plugins(), known_) {
     Event event;
     event.what = CutPlane{{0.5, 0.25, 0.25}, {0, 1, 0}, 0.45};
     simulation_.apply(event, *this);
     kept_ = std::make_unique<KeptSteps>(simulation_.built().dynamics(), limit);
+    if (!follow.empty()) {
+      followed_ = std::make_unique<FollowedSlopes>(simulation_.built().dynamics(),
+                                                   std::vector{direction_of(follow)}, 1e-11);
+    }
     simulation_.run(*this);
   }
 
   /// J = sum of u_y^2 over all vertices and moments.
   double objective() const { return objective_; }
+  double followed() const { return followed_slope_; }  ///< dJ/dp
   RunAdjoint adjoint(const std::vector<std::string>& parameters, double tolerance = 1e-11) {
     WantedSlopes wanted;
     for (const std::string& name : parameters)
@@ -100,7 +108,17 @@ class Running : private Observer {
     if (!kept_ || kept_->count() == simulation_.step()) return false;
     kept_->keep();
     for (Index v = 0; v < attributes().vertex_count(); ++v) objective_ += u(v) * u(v);
+    if (!followed_) return false;
+    followed_->follow();
+    for (Index v = 0; v < attributes().vertex_count(); ++v)
+      followed_slope_ += 2 * u(v) * followed_->of(0).state.position[std::size_t{v} * 3 + 1];
     return false;
+  }
+  /// All values of a parameter together.
+  ParameterDirection direction_of(const std::string& parameter) {
+    Instance& instance = *attributes().instances()[0];
+    const ParameterSlopes slopes(simulation_.built().body(), {}, instance, parameter);
+    return {&instance, parameter, std::vector<double>(slopes.size(), 1)};
   }
   ObjectiveSlopes slopes() {
     ObjectiveSlopes slopes;
@@ -114,12 +132,13 @@ class Running : private Observer {
   Diagnostics known_;
   Simulation simulation_;
   std::unique_ptr<KeptSteps> kept_;
-  double objective_ = 0;
+  std::unique_ptr<FollowedSlopes> followed_;
+  double objective_ = 0, followed_slope_ = 0;
 };
 
-class RunGradients : public testing::TestWithParam<Case> {};
+class RunGradientsOf : public testing::TestWithParam<Case> {};
 
-TEST_P(RunGradients, AgreeWithDifferencesOfRuns) {
+TEST_P(RunGradientsOf, AgreeWithDifferencesOfRuns) {
   constexpr double h = 1e-4;
   const Values values = material(GetParam().model);
   std::vector<std::string> names;
@@ -144,7 +163,7 @@ TEST_P(RunGradients, AgreeWithDifferencesOfRuns) {
 }
 
 /// Limits on memory change no bit.
-TEST_P(RunGradients, AreTheSameWithFewKeptStates) {
+TEST_P(RunGradientsOf, AreTheSameWithFewKeptStates) {
   const Values values = material(GetParam().model);
   Running all(GetParam(), values), few(GetParam(), values, {5});
   const RunAdjoint a = all.adjoint({"rho"}), b = few.adjoint({"rho"});
@@ -163,6 +182,21 @@ TEST_P(RunGradients, AreTheSameWithFewKeptStates) {
   EXPECT_TRUE(same(few.attributes().velocity(), all.attributes().velocity()));
 }
 
+/// Forward and backward lead to the same.
+TEST(RunGradients, FollowedOnesAreThoseOfTheAdjoint) {
+  for (const char* model : {"mss-golec", "damage-springs", "visco"})
+    for (const char* integrator : {"implicit-euler", "static"})
+      for (const char* parameter : {"rho", std::string(model) == "visco" ? "n" : "E"}) {
+        const Case run{model, integrator, 12};
+        Running beam(run, material(model), {}, parameter);
+        const std::vector<double> each = beam.adjoint({parameter}).parameters[0];
+        const double expected = std::accumulate(each.begin(), each.end(), 0.0);
+        EXPECT_NEAR(beam.followed(), expected, 1e-7 * std::abs(expected))
+            << name_of(run) << parameter;
+        EXPECT_NE(expected, 0);
+      }
+}
+
 /// All models that are installed, by implicit Euler; all schemes with one and without a memory.
 std::vector<Case> cases() {
   std::vector<Case> cases;
@@ -175,7 +209,7 @@ std::vector<Case> cases() {
       cases.push_back({model, integrator, 12});
   return cases;
 }
-INSTANTIATE_TEST_SUITE_P(Models, RunGradients, testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(Models, RunGradientsOf, testing::ValuesIn(cases()),
                          [](const auto& test) { return name_of(test.param); });
 
 }  // namespace

@@ -300,7 +300,8 @@ def gradient(sim, objective, wrt, tolerance=None, every_step=False):
                "energy": dJ/dW})
     wrt        a list: (model, parameter) or (model, parameter, per), see Adjoint.gradient(); or the
                name of another derivative of the Adjoint: "load", "motion", "gravity"; of a
-               RunAdjoint: "load", "gravity", "initial_position", "initial_velocity"
+               RunAdjoint: "load", "gravity", "loads", "motions", "initial_position",
+               "initial_velocity"
     tolerance  relative residual of the linear solve, 1e-6, or of that of each step, 1e-9
     every_step the objective is that of the final state (False), or the sum over the kept steps
 
@@ -310,9 +311,11 @@ def gradient(sim, objective, wrt, tolerance=None, every_step=False):
     if isinstance(wrt, tuple):
         raise TypeError(f"wrt must be a list, such as [{wrt!r}]")
     runs = [sim] if not isinstance(sim, (list, tuple)) else sim
+    names = {name for name in wrt if isinstance(name, str)}
     adjoint = None
     for run in reversed(runs):
-        adjoint = adjoint_of(run, objective, tolerance, every_step, wrt, then=adjoint)
+        adjoint = adjoint_of(run, objective, tolerance, every_step, wrt,
+                             moments=bool({"loads", "motions"}.intersection(names)), then=adjoint)
     return adjoint.value, [getattr(adjoint, name) if isinstance(name, str)
                            else adjoint.gradient(*name) for name in wrt]
 

@@ -91,6 +91,33 @@ void require_plain_rest(const Body& body) {
         "their own");
 }
 
+/// The rest positions, moved along a direction.
+std::vector<Vec3> moved_rest(const Column& rest, std::span<const double> direction, double way) {
+  std::vector<Vec3> places;
+  for (Index v = 0; v < rest.size(); ++v) {
+    const double* d = direction.data() + std::size_t{v} * 3;
+    places.push_back(plus({rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)},
+                          {way * d[0], way * d[1], way * d[2]}));
+  }
+  return places;
+}
+
+/// In a direction in which every vertex moves.
+void require_sum(Body& body, double time, const std::vector<double>& multipliers,
+                 const std::vector<double>& slopes) {
+  std::vector<double> direction(slopes.size());
+  double size = 0;
+  for (std::size_t i = 0; i < slopes.size(); ++i) {
+    direction[i] = std::sin(static_cast<double>(i) + 1);
+    size += std::abs(slopes[i] * direction[i]);
+  }
+  const double whole = dot(multipliers, rest_slope(body, time, direction).forces);
+  if (std::abs(whole - dot(slopes, direction)) <= uncovered_part * size) return;
+  throw InputError(
+      "there is no derivative by the rest position of each vertex: forces depend on more than the "
+      "elements around them; take the derivative along a direction (along_rest)");
+}
+
 }  // namespace
 
 double shortest_edge(const Body& body) {
@@ -103,21 +130,6 @@ double shortest_edge(const Body& body) {
     }
   return least;
 }
-
-namespace {
-
-/// The rest positions, moved along a direction.
-std::vector<Vec3> moved_rest(const Column& rest, std::span<const double> direction, double way) {
-  std::vector<Vec3> places;
-  for (Index v = 0; v < rest.size(); ++v) {
-    const double* d = direction.data() + std::size_t{v} * 3;
-    places.push_back(plus({rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)},
-                          {way * d[0], way * d[1], way * d[2]}));
-  }
-  return places;
-}
-
-}  // namespace
 
 RestSlope rest_slope(Body& body, double time, std::span<const double> direction) {
   require_plain_rest(body);
@@ -138,26 +150,6 @@ RestSlope rest_slope(Body& body, double time, std::span<const double> direction)
   up.energy = (up.energy - down.energy) / (2 * step);
   return up;
 }
-
-namespace {
-
-/// In a direction in which every vertex moves.
-void require_sum(Body& body, double time, const std::vector<double>& multipliers,
-                 const std::vector<double>& slopes) {
-  std::vector<double> direction(slopes.size());
-  double size = 0;
-  for (std::size_t i = 0; i < slopes.size(); ++i) {
-    direction[i] = std::sin(static_cast<double>(i) + 1);
-    size += std::abs(slopes[i] * direction[i]);
-  }
-  const double whole = dot(multipliers, rest_slope(body, time, direction).forces);
-  if (std::abs(whole - dot(slopes, direction)) <= uncovered_part * size) return;
-  throw InputError(
-      "there is no derivative by the rest position of each vertex: forces depend on more than the "
-      "elements around them; take the derivative along a direction (along_rest)");
-}
-
-}  // namespace
 
 std::vector<double> rest_slopes(Body& body, double time, const std::vector<double>& multipliers) {
   require_plain_rest(body);

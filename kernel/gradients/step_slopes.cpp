@@ -108,7 +108,6 @@ void StepSlopes::back_implicitly(const StepEquations& equations, const StepEnds&
   const std::vector<double> position = rows_of(attributes.position()),
                             velocity = rows_of(attributes.velocity());
   const TangentTime at(equations.time, equations.dt);
-  const double alpha = dynamics_.motion().damping(), rate = equations.rate;
   std::ranges::copy(step.position, attributes.position().rows());
   require_solved(equations);  // and sets v'
   require_symmetric(at);
@@ -116,48 +115,71 @@ void StepSlopes::back_implicitly(const StepEquations& equations, const StepEnds&
   add_objective(objective, at.time, slope);
   Multipliers multipliers{std::vector<double>(mass_.size()), objective.energy,
                           std::move(slope.states)};
-  for (std::size_t i = 0; i < objective.reaction.size(); ++i)
-    if (!is_free_[i]) multipliers.force[i] = -objective.reaction[i];
-  std::vector<double> right = std::move(slope.position);
-  add(right, slope.velocity, rate);
-  add(right, slope.acceleration, equations.acceleration);
-  if (!objective.reaction.empty()) add(right, transposed_tangent(body_, at, multipliers.force));
-  if (!states_.empty()) add(right, slopes_by_position(body_, states_, at, multipliers.states));
-  const std::vector<double> found = solve(equations, right, tolerance);
-  add(multipliers.force, found);
-  motion_ = transposed_tangent(body_, at, found);
-  for (std::size_t i = 0; i < motion_.size(); ++i)
-    motion_[i] = is_free_[i] ? 0 : motion_[i] + right[i];
-
-  Moment moment{at, std::vector<double>(mass_.size())};
-  for (std::size_t i = 0; i < mass_.size(); ++i)
-    if (is_free_[i])
-      moment.inertia[i] =
-          equations.acceleration * (step.position[row_of(i)] - equations.position[row_of(i)]) +
-          alpha * attributes.velocity().rows()[row_of(i)];
-  use(true, moment, multipliers);
-
+  const std::vector<double> found =
+      find_multipliers(equations, objective, tolerance, slope, multipliers);
+  use(true, moment_at_end(equations, step), multipliers);
   slope.states.assign(states_.size(), 0);
   add_states(at, multipliers, slope.states);
-  const std::vector<double> damped = damping_tangent(body_, at, found);  // -C l
-  std::vector<double>&by_velocity = slope.velocity, &by_acceleration = slope.acceleration;
-  slope.position.assign(mass_.size(), 0);
-  by_acceleration.resize(mass_.size());
-  for (std::size_t i = 0; i < mass_.size(); ++i) {
-    const double l = mass_[i] * found[i], v = by_velocity[i], a = by_acceleration[i];
-    by_velocity[i] = by_acceleration[i] = 0;
-    if (!is_free_[i]) continue;
-    const double by_place = (equations.acceleration + alpha * rate) * l - rate * damped[i] -
-                            rate * v - equations.acceleration * a;
-    const double by_speed = v - alpha * l + damped[i];
-    slope.position[i] = by_place;
-    by_velocity[i] = step.dt * by_place + by_speed;
-    by_acceleration[i] = equations.start_position * by_place + equations.start_velocity * by_speed;
-  }
+  go_to_start(equations, damping_tangent(body_, at, found), found, slope);
   if (equations.start_position == 0 || !step.is_first) return;
   std::ranges::copy(position, attributes.position().rows());
   std::ranges::copy(velocity, attributes.velocity().rows());
   back_through_start(equations, step, slope, use);
+}
+
+/// l of the free components, which joins the multipliers; these have the states already, and get
+/// those of reactions.
+std::vector<double> StepSlopes::find_multipliers(const StepEquations& equations,
+                                                 const ObjectiveSlopes& objective, double tolerance,
+                                                 const StateSlope& slope,
+                                                 Multipliers& multipliers) {
+  const TangentTime at(equations.time, equations.dt);
+  std::vector<double> right = slope.position;
+  add(right, slope.velocity, equations.rate);
+  add(right, slope.acceleration, equations.acceleration);
+  for (std::size_t i = 0; i < objective.reaction.size(); ++i)
+    if (!is_free_[i]) multipliers.force[i] = -objective.reaction[i];
+  if (!objective.reaction.empty()) add(right, transposed_tangent(body_, at, multipliers.force));
+  if (!states_.empty()) add(right, slopes_by_position(body_, states_, at, multipliers.states));
+  std::vector<double> found = solve(equations, right, tolerance);
+  add(multipliers.force, found);
+  motion_ = transposed_tangent(body_, at, found);
+  for (std::size_t i = 0; i < motion_.size(); ++i)
+    motion_[i] = is_free_[i] ? 0 : motion_[i] + right[i];
+  return found;
+}
+
+/// Where the body is, a' + alpha v'.
+Moment StepSlopes::moment_at_end(const StepEquations& equations, const StepEnds& step) const {
+  Moment moment{{equations.time, equations.dt}, std::vector<double>(mass_.size())};
+  const double* const velocity = body_.attributes().velocity().rows();
+  for (std::size_t i = 0; i < mass_.size(); ++i) {
+    const std::size_t row = row_of(i);
+    if (is_free_[i])
+      moment.inertia[i] = equations.acceleration * (step.position[row] - equations.position[row]) +
+                          dynamics_.motion().damping() * velocity[row];
+  }
+  return moment;
+}
+
+/// By X* and V*, from l (`found`) and -C l (`damped`).
+void StepSlopes::go_to_start(const StepEquations& equations, const std::vector<double>& damped,
+                             const std::vector<double>& found, StateSlope& slope) const {
+  const double alpha = dynamics_.motion().damping(), rate = equations.rate;
+  slope.acceleration.resize(mass_.size());
+  for (std::size_t i = 0; i < mass_.size(); ++i) {
+    const double l = mass_[i] * found[i], v = slope.velocity[i], a = slope.acceleration[i];
+    double by_place = 0, by_speed = 0;
+    if (is_free_[i]) {
+      by_place = (equations.acceleration + alpha * rate) * l - rate * (damped[i] + v) -
+                 equations.acceleration * a;
+      by_speed = v - alpha * l + damped[i];
+    }
+    slope.position[i] = by_place;
+    slope.velocity[i] = equations.dt * by_place + by_speed;
+    slope.acceleration[i] =
+        equations.start_position * by_place + equations.start_velocity * by_speed;
+  }
 }
 
 /// From the acceleration at the start of the run, at which the body is.
@@ -190,6 +212,8 @@ StepSlopes::External StepSlopes::external(const ParameterDirection& parameter,
                                           const StepEnds& step) const {
   External change{std::vector<double>(mass_.size()), std::vector<double>(mass_.size())};
   if (parameter.instance != nullptr) return change;
+  if (body_.models().reads_velocity())
+    refuse_run("the forces of a model depend on velocities, which a prescribed motion changes");
   for (const auto& [body, sign] : {std::pair(parameter.up, 1.0), std::pair(parameter.down, -1.0)}) {
     Attributes& attributes = body->attributes();
     if (std::size_t{attributes.vertex_count()} * 3 != mass_.size())
@@ -223,22 +247,15 @@ void StepSlopes::forward(const StepEnds& step, const ParameterDirection& paramet
   if (equations == nullptr || equations->start_position != 0)
     refuse_run(
         "there are sensitivities of equilibria and of runs of implicit Euler; take an adjoint");
-  Attributes& attributes = body_.attributes();
   const TangentTime at(equations->time, equations->dt);
   const double alpha = dynamics_.motion().damping(), rate = equations->rate;
   const std::vector<double> states = states_.accepted();
-  std::ranges::copy(step.position, attributes.position().rows());
+  std::ranges::copy(step.position, body_.attributes().position().rows());
   require_solved(*equations);
   require_symmetric(at);
-  const std::vector<double> velocity = rows_of(attributes.velocity());
   StateSlope& now = slope.state;
   if (rate != 0) add(now.position, now.velocity, step.dt);  // dx*
-  Moment moment{at, std::vector<double>(mass_.size())};
-  for (std::size_t i = 0; i < mass_.size(); ++i)
-    if (is_free_[i])
-      moment.inertia[i] =
-          equations->acceleration * (step.position[row_of(i)] - equations->position[row_of(i)]) +
-          alpha * velocity[row_of(i)];
+  const Moment moment = moment_at_end(*equations, step);
   const External change = external(parameter, step);
   std::vector<double> right = slope_of(parameter, moment, [&](double part) {
     move_states(states, now.states, part);
@@ -255,23 +272,36 @@ void StepSlopes::forward(const StepEnds& step, const ParameterDirection& paramet
   std::vector<double> moved = solve(*equations, right, tolerance);
   add(moved, change.motion);
   add(speed, moved, rate);
+  now = {std::move(moved), std::move(speed), std::move(now.states)};
+  finish(parameter, moment, states, slope);
+  add(slope.reaction, change.forces, -1);
+  for (std::size_t i = 0; i < mass_.size(); ++i)
+    if (is_free_[i]) slope.reaction[i] = 0;
+}
 
+/// The states and the reactions at the end, where positions and velocities are known.
+void StepSlopes::finish(const ParameterDirection& parameter, const Moment& moment,
+                        const std::vector<double>& states, StateSensitivity& slope) {
+  Attributes& attributes = body_.attributes();
+  const std::vector<double> position = rows_of(attributes.position()),
+                            velocity = rows_of(attributes.velocity());
+  const StateSlope& now = slope.state;
   std::vector<double> ends = slope_of(parameter, moment, [&](double part) {
     move_states(states, now.states, part);
     for (std::size_t i = 0; i < mass_.size(); ++i) {
-      attributes.position().rows()[row_of(i)] = step.position[row_of(i)] + part * moved[i];
-      attributes.velocity().rows()[row_of(i)] = velocity[row_of(i)] + part * speed[i];
+      const std::size_t row = row_of(i);
+      attributes.position().rows()[row] = position[row] + part * now.position[i];
+      attributes.velocity().rows()[row] = velocity[row] + part * now.velocity[i];
     }
-    std::vector<double> values = total_forces(body_, at);
+    std::vector<double> values = total_forces(body_, moment.at);  // and sets trial states
     const std::vector<double> trial = states_.trial();
     values.insert(values.end(), trial.begin(), trial.end());
     return values;
   });
   const auto forces = ends.begin() + static_cast<std::ptrdiff_t>(mass_.size());
-  now = {moved, std::move(speed), {forces, ends.end()}};
+  slope.state.states.assign(forces, ends.end());
   slope.reaction.assign(mass_.size(), 0);
-  for (std::size_t i = 0; i < mass_.size(); ++i)
-    if (!is_free_[i]) slope.reaction[i] = -ends[i] - change.forces[i];
+  add(slope.reaction, {ends.begin(), forces}, -1);
 }
 
 /// The accepted states, and a part of a direction.

@@ -102,6 +102,12 @@ class StepSlopes {
   void back_implicitly(const StepEquations& equations, const StepEnds& step,
                        const ObjectiveSlopes& objective, double tolerance, StateSlope& slope,
                        const Use& use);
+  std::vector<double> find_multipliers(const StepEquations& equations,
+                                       const ObjectiveSlopes& objective, double tolerance,
+                                       const StateSlope& slope, Multipliers& multipliers);
+  Moment moment_at_end(const StepEquations& equations, const StepEnds& step) const;
+  void go_to_start(const StepEquations& equations, const std::vector<double>& damped,
+                   const std::vector<double>& found, StateSlope& slope) const;
   void back_through_start(const StepEquations& equations, const StepEnds& step, StateSlope& slope,
                           const Use& use);
   void back_explicitly(const StepEnds& step, const ObjectiveSlopes& objective, StateSlope& slope,
@@ -119,6 +125,8 @@ class StepSlopes {
   using ValuesAt = std::function<std::vector<double>(double part)>;
   std::vector<double> slope_of(const ParameterDirection& parameter, const Moment& moment,
                                const ValuesAt& values_at);
+  void finish(const ParameterDirection& parameter, const Moment& moment,
+              const std::vector<double>& states, StateSensitivity& slope);
   void move_states(const std::vector<double>& states, const std::vector<double>& way,
                    double part) const;
   void require_solved(const StepEquations& equations);

@@ -20,6 +20,7 @@ class ImplicitIntegrator : public Integrator {
   bool is_implicit() const final { return true; }
   bool is_other_step(double) const final { return false; }
   Newton* newton() final { return &newton_; }
+  const StepEquations* equations(double dt) final;
   std::string describe_solver(double dt) final;
   void forget_cells() final { newton_.forget(); }
   void state(Archive& archive) override { newton_.state(archive); }

@@ -135,7 +135,7 @@ add_test(NAME @id@.run COMMAND ${SUTURE_PROGRAM} run ${CMAKE_CURRENT_SOURCE_DIR}
 constexpr std::string_view scene_of_model =
     R"(// A bar. Look at out/scene/run.pvd in ParaView.
 {
-  "suture": 1,
+  "suture": 2,
   "plugins": ["build/lib/suture/plugins/@id@.so"],
   "mesh": {"box": {"size": [0.4, 0.1, 0.1], "cells": [8, 2, 2]}},
   "models": [

@@ -124,7 +124,7 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
       selector_(body_.imported(), names_, body_.attributes().rest(), frame_, parts_.parts()) {
   parts_.renumber(body_.imported().element_of);
   check_parts(scene_, parts());
-  if (cuts_along_blades(scene_)) let_parts_grow();
+  if (scene_.divides_elements()) let_parts_grow();
   if (!parts().empty() || body_.attributes().parts().may_grow()) body_.add_follower(parts_);
   check_selections(scene_, selector_);
   name_elements();

@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: MIT
+// SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Models of fields, each with one fault in its rates or its capacity.
 #include "suture/diffusion.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/run/run_loop.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <new>

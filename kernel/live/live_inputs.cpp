@@ -151,7 +151,6 @@ void LiveRun::make_divisible(Observer& observer) {
         "this run began at a checkpoint of a scene without cuts along blades, so it cannot make "
         "one; cut along faces");
   let_go(observer);
-  observer.on_message("the run is made again, prepared for cuts along blades");
   report_warnings();
   std::unique_ptr<Scene> scene;
   std::unique_ptr<Simulation> simulation;
@@ -162,6 +161,7 @@ void LiveRun::make_divisible(Observer& observer) {
     const std::string why = error.what();
     throw InputError("this body cannot be cut along a blade: " + why.substr(0, why.find('\n')));
   }
+  observer.on_message("the run is made again, prepared for cuts along blades");
   reported_warnings_ = diagnostics_.warnings().size();  // those of before again
   const bool has_file = recording_->has_inputs(), plays = status_.is_playing;
   Recording done;

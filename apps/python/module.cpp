@@ -398,7 +398,7 @@ void bind_operations(Class& session) {
       .def("_cut_surface",
            [](Session& s, const py::array_t<double, py::array::c_style>& points,
               const py::array_t<std::int64_t, py::array::c_style>& triangles, bool rest,
-              bool along_blade) {
+              std::optional<bool> along_blade) {
              return result_of(s, s.cut(surface_of(points, triangles), rest, along_blade));
            })
       .def("_every",

@@ -236,12 +236,16 @@ EventOutcome Session::apply(const std::string& text, const std::string& name) {
   return outcome;
 }
 
-EventOutcome Session::cut(TriangleSurface surface, bool rest_shape, bool along_blade) {
+EventOutcome Session::cut(TriangleSurface surface, bool rest_shape,
+                          std::optional<bool> along_blade) {
   Event event;
   event.path = "event";
   event.rest_shape = rest_shape;
-  event.what = CutSurface{
-      {}, 1, {}, std::make_shared<const TriangleSurface>(std::move(surface)), along_blade};
+  event.what = CutSurface{{},
+                          1,
+                          {},
+                          std::make_shared<const TriangleSurface>(std::move(surface)),
+                          along_blade.value_or(scene_.added_cuts_follow_blade())};
   EventOutcome outcome = apply(event);
   forgo_recording("a surface of arrays has cut");
   return outcome;
@@ -336,13 +340,17 @@ void Session::equilibrate() {
   advance([&] { run_.simulation->equilibrate(observer_); });
 }
 
-void Session::keep_steps() {
+void Session::keep_steps(const StepReplay::Limit& limit) {
   Simulation& now = between_steps();
   require_alive();
-  if (const std::string& integrator = scene_.solver.integrator; integrator != "implicit-euler")
-    throw InputError("there is no derivative of this run: its integrator is '" + integrator +
-                     "'; set /solver/integrator to \"implicit-euler\"");
-  run_.kept_steps = std::make_unique<KeptSteps>(now.built().dynamics());
+  run_.kept_steps = std::make_unique<KeptSteps>(now.built().dynamics(), limit);
+}
+
+void Session::follow(std::vector<ParameterDirection> parameters, double tolerance) {
+  Simulation& now = between_steps();
+  require_alive();
+  run_.followed =
+      std::make_unique<FollowedSlopes>(now.built().dynamics(), std::move(parameters), tolerance);
 }
 
 ProbeTable& Session::probes() {

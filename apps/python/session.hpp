@@ -11,6 +11,7 @@
 #include "apps/python/read_mesh.hpp"
 #include "apps/python/views.hpp"
 #include "kernel/base/archive.hpp"
+#include "kernel/gradients/followed_slopes.hpp"
 #include "kernel/gradients/kept_steps.hpp"
 #include "kernel/live/live_run.hpp"
 #include "kernel/results/probe_table.hpp"
@@ -71,7 +72,7 @@ class Session {
 
   /// Applies the event of a JSON text, whose name in messages is `name`.
   EventOutcome apply(const std::string& text, const std::string& name);
-  EventOutcome cut(TriangleSurface surface, bool rest_shape, bool along_blade);
+  EventOutcome cut(TriangleSurface surface, bool rest_shape, std::optional<bool> along_blade);
   void set_position(const py::array& values);
   void set_velocity(const py::array& values);
   /// Simulation::steer().
@@ -86,9 +87,13 @@ class Session {
   /// Simulation::equilibrate().
   void equilibrate();
   /// Keeps the steps from now on, for their derivatives; those before are forgotten.
-  void keep_steps();
+  void keep_steps(const StepReplay::Limit& limit);
   /// None if no steps are kept.
   KeptSteps* kept_steps() { return run_.kept_steps.get(); }
+  /// Follows the derivatives by these parameters from now on.
+  void follow(std::vector<ParameterDirection> parameters, double tolerance);
+  /// None if nothing is followed.
+  FollowedSlopes* followed() { return run_.followed.get(); }
   std::shared_ptr<SessionState> copy();
   /// Saves a checkpoint from which `suture run --resume` and `suture live` go on.
   void save_checkpoint(const std::filesystem::path& file);
@@ -127,6 +132,7 @@ class Session {
     std::unique_ptr<Simulation> simulation;
     std::unique_ptr<ProbeTable> probes;
     std::unique_ptr<KeptSteps> kept_steps;
+    std::unique_ptr<FollowedSlopes> followed;
     std::unique_ptr<Views> views;
     std::vector<PythonTerm*> terms;
   };

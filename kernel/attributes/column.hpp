@@ -32,6 +32,9 @@ struct ColumnSpec {
   std::function<void(Column&, Index old_row, Index new_row)> on_split;
 };
 
+/// That of a plugin's attribute.
+ColumnSpec spec_of(const suture_attribute& attribute);
+
 /// One attribute of the cells of one dimension, contiguous doubles.
 ///
 /// Vertices (dimension 0) are stored in rows: `stride()` doubles per vertex, which is 4
@@ -106,6 +109,7 @@ class Column {
   bool has_trial() const { return (spec_.flags & SUTURE_TRIAL) != 0; }
   double* trial_rows() { return trial_.data(); }
   double* trial_block(Index b) { return trial_.data() + block_offset(b); }
+  double trial(Index row, int component) const { return trial_[stored(row, component)]; }
   void accept() { data_.swap(trial_); }  ///< the trial values become the values
   /// The values; with cells, also the number of rows and the trial copy.
   void state(Archive& archive);

@@ -318,6 +318,7 @@ class StateBuffer {
     holder.state(reader);
   }
   bool empty() const { return bytes_.empty(); }
+  std::size_t size() const { return bytes_.size(); }  ///< B
   /// For buffers that are part of a saved state.
   void state(Archive& archive) { archive("bytes", bytes_); }
 

@@ -176,13 +176,13 @@ function send_drag(point) {
 const hands = {
   is_path: () => $('#cut').value === 'path',
   cut(way) {
-    const along = $('#along-blade').checked ? { along: 'blade' } : {};
+    const along = $('#along-blade').checked ? 'blade' : 'faces';
     if (!hands.is_path()) {
       const polygon = picture.plane_through(way[0], way.at(-1)).map(in_scene);
-      return apply({ cut: { plane: { polygon }, ...along } });
+      return apply({ cut: { plane: { polygon }, along } });
     }
     const { points, triangles } = picture.swept(way);
-    apply({ sweep: { points: points.map(in_scene), triangles, ...along } });
+    apply({ sweep: { points: points.map(in_scene), triangles, along } });
   },
   pierce(point) {
     apply({ pierce: { where: { nearest: in_scene(point) } } });

@@ -12,12 +12,36 @@
 #include "kernel/live/scene_of_recording.hpp"
 #include "kernel/run/checkpoints.hpp"
 #include "kernel/run/steering.hpp"
+#include "kernel/scene/scene_reader.hpp"
 
 namespace suture {
 namespace {
 
 /// s: in so long the hand gets to where the mouse is.
 constexpr double hand_delay = 0.05;
+
+using Json = nlohmann::json;
+
+bool is_along_blade(const Json& event) {
+  if (!event.is_object() || event.empty() || !event.begin().value().is_object()) return false;
+  const auto along = event.begin().value().find("along");
+  return along != event.begin().value().end() && *along == "blade";
+}
+
+/// The scene with a cut along a blade, far from the body and at its end: so its models are prepared
+/// for such cuts.
+std::unique_ptr<Scene> divisible(const Scene& scene, PluginHost& host, Diagnostics& diagnostics) {
+  using Ordered = nlohmann::ordered_json;
+  SceneSource source = scene.source;
+  Ordered text = Ordered::parse(source.text, nullptr, true, true);
+  text["events"].push_back(
+      {{"at", scene.solver.end.value_or(1e6)},
+       {"cut", {{"plane", {{"point", {1e6, 0, 0}}, {"normal", {1, 0, 0}}}}, {"along", "blade"}}}});
+  source.text = text.dump();
+  auto made = std::make_unique<Scene>(read_scene_source(source, {}, host, diagnostics));
+  leave_out_results(*made);
+  return made;
+}
 
 }  // namespace
 
@@ -77,6 +101,7 @@ void LiveRun::act(const std::string& what, const Json& input, Observer& observer
   } else if (what == "apply") {
     const Json& event = input.at("event");
     const std::string name = event.is_object() && !event.empty() ? event.begin().key() : "action";
+    if (is_along_blade(event)) make_divisible(observer);
     as_action(name == "sweep" ? "cut" : name, [&] { apply(json_text(event), observer); });
     if (name == "parameters" || name == "gravity") tell_lists();
   } else if (what == "grab") {
@@ -103,7 +128,7 @@ void LiveRun::play(bool plays) {
 
 void LiveRun::apply(const std::string& value, Observer& observer, const std::string& device) {
   const RecordedInput input{simulation_->step(), simulation_->time(), device, value};
-  apply_input(value, scene_, *simulation_, observer, diagnostics_);
+  apply_input(value, *scene_, *simulation_, observer, diagnostics_);
   record(input);
 }
 
@@ -113,14 +138,58 @@ void LiveRun::send_scene() {
   const RecordedScene scene = scene_of(recording_->read(), simulation_->time());
   for (const std::string& input : scene.left_out)
     tell("warning", "a scene cannot say this input, which was left out: " + input);
-  server_.say(json_text(Json{{"scene", scene.text}, {"name", scene_.file.stem().string()}}));
+  server_.say(json_text(Json{{"scene", scene.text}, {"name", scene_->file.stem().string()}}));
+}
+
+/// Cuts along blades need models that are prepared for them when a run begins: makes this run again
+/// with such models. Throws the errors of Simulation and of repeat(); nothing has changed then.
+void LiveRun::make_divisible(Observer& observer) {
+  if (simulation_->attributes().parts().may_grow()) return;
+  require_own("prepare it for cuts along blades; add one to the events of its scene");
+  if (start_)
+    throw InputError(
+        "this run began at a checkpoint of a scene without cuts along blades, so it cannot make "
+        "one; cut along faces");
+  let_go(observer);
+  report_warnings();
+  std::unique_ptr<Scene> scene;
+  std::unique_ptr<Simulation> simulation;
+  try {
+    scene = divisible(*scene_, host_, diagnostics_);
+    simulation = std::make_unique<Simulation>(*scene, host_, diagnostics_);
+  } catch (const InputError& error) {
+    const std::string why = error.what();
+    throw InputError("this body cannot be cut along a blade: " + why.substr(0, why.find('\n')));
+  }
+  observer.on_message("the run is made again, prepared for cuts along blades");
+  reported_warnings_ = diagnostics_.warnings().size();  // those of before again
+  const bool has_file = recording_->has_inputs(), plays = status_.is_playing;
+  Recording done;
+  if (has_file) done = recording_->read();
+  const std::filesystem::path old = recording_->path();
+  RecordingWriter recording(
+      has_file ? free_name(old.parent_path(), *scene_, "recording", ".jsonl") : old, *scene,
+      *simulation);
+  done.start = state_hash(*simulation);
+  done.last_step = simulation_->step();  // to where this run is
+  auto pictures = std::make_unique<Pictures>(*simulation, pictures_->last_number());
+  if (!repeat(done, *scene, *simulation, observer, diagnostics_))
+    throw InputError("the run made again ended earlier; cut along faces");
+  for (const RecordedInput& input : done.inputs) recording.input(input);
+  recording_->end(*simulation_);
+  kept_.clear();
+  take(std::move(simulation), std::move(pictures));
+  divisible_ = std::move(scene);
+  scene_ = divisible_.get();
+  recording_ = std::move(recording);
+  play(plays);
 }
 
 /// To a file beside the recording.
 void LiveRun::save_checkpoint() {
   require_own("save a checkpoint");
   const std::filesystem::path file =
-      free_name(recording_->path().parent_path(), scene_, "checkpoint", ".h5");
+      free_name(recording_->path().parent_path(), *scene_, "checkpoint", ".h5");
   try {
     suture::save_checkpoint(*simulation_, header_, file);
   } catch (const IoError& error) {

@@ -52,16 +52,16 @@ class LiveRun::Reporter final : public Observer {
 
 LiveRun::LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, LiveServer& server,
                  std::filesystem::path recording)
-    : scene_(scene), host_(host), diagnostics_(diagnostics), server_(server) {
+    : scene_(&scene), host_(host), diagnostics_(diagnostics), server_(server) {
   build(0, nullptr);
   header_ = checkpoint_header(simulation_->built(), host);
-  recording_.emplace(std::move(recording), scene_, *simulation_);
+  recording_.emplace(std::move(recording), *scene_, *simulation_);
 }
 
 LiveRun::LiveRun(Simulation& simulation, const Scene& scene, PluginHost& host,
                  Diagnostics& diagnostics, LiveServer& server, std::filesystem::path recording,
                  std::span<const RecordedInput> done)
-    : scene_(scene),
+    : scene_(&scene),
       host_(host),
       diagnostics_(diagnostics),
       server_(server),
@@ -82,14 +82,19 @@ LiveRun::~LiveRun() = default;
 /// What is shown as laid open is so since the start: pictures know the body before it has a state.
 void LiveRun::build(std::uint64_t first_surface, const StateTree* state) {
   if (own_) report_warnings();
-  auto simulation = std::make_unique<Simulation>(scene_, host_, diagnostics_);
+  auto simulation = std::make_unique<Simulation>(*scene_, host_, diagnostics_);
   if (own_) reported_warnings_ = diagnostics_.warnings().size();  // those of before again
   auto pictures = std::make_unique<Pictures>(*simulation, first_surface);
-  pictures->choose(field_);
   if (state != nullptr) {
     simulation->load(*state);
     pictures->find_surface_again();
   }
+  take(std::move(simulation), std::move(pictures));
+}
+
+/// Goes on with another simulation, at first paused.
+void LiveRun::take(std::unique_ptr<Simulation> simulation, std::unique_ptr<Pictures> pictures) {
+  pictures->choose(field_);
   pictures_ = std::move(pictures);
   own_ = std::move(simulation);
   simulation_ = own_.get();
@@ -143,7 +148,7 @@ void LiveRun::resume(Checkpoint checkpoint, const std::filesystem::path& file, O
   start_.emplace(std::move(checkpoint.state));
   load_checkpoint(file, [&] { simulation_->load(*start_); });
   pictures_->find_surface_again();
-  recording_ = RecordingWriter(recording_->path(), scene_, *simulation_, file);
+  recording_ = RecordingWriter(recording_->path(), *scene_, *simulation_, file);
   for (const char* grasp : {hand_name, device_grasp_name})
     if (!simulation_->built().body().constraints().held_by(grasp).empty())
       apply(release_input(grasp), observer);
@@ -151,7 +156,7 @@ void LiveRun::resume(Checkpoint checkpoint, const std::filesystem::path& file, O
 }
 
 bool LiveRun::continue_from(const Recording& recording, Observer& observer) {
-  const bool is_there = repeat(recording, scene_, *simulation_, observer, diagnostics_);
+  const bool is_there = repeat(recording, *scene_, *simulation_, observer, diagnostics_);
   compare_end(recording, *simulation_, diagnostics_);
   for (const RecordedInput& input : recording.inputs) record(input);
   tell_lists();  // values may have changed

@@ -73,6 +73,7 @@ class LiveRun {
   using Wall = std::chrono::steady_clock;
   class Reporter;
   void build(std::uint64_t first_surface, const StateTree* state);
+  void take(std::unique_ptr<Simulation> simulation, std::unique_ptr<Pictures> pictures);
   void make_due_steps(Observer& observer);
   void make_steps(std::uint64_t count, Observer& observer);
   void require_own(const std::string& what) const;
@@ -99,6 +100,7 @@ class LiveRun {
   void play(bool plays);
   void send_scene();
   void save_checkpoint();
+  void make_divisible(Observer& observer);
   void reset(Observer& observer);
   void go_back(const Json& input, Observer& observer);
   void keep(const std::string& name, bool is_before_action);
@@ -109,7 +111,8 @@ class LiveRun {
   void drag(const Vec3& to, Observer& observer);
   void let_go(Observer& observer);
 
-  const Scene& scene_;
+  const Scene* scene_;  ///< that of the caller, or divisible_
+  std::unique_ptr<Scene> divisible_;
   PluginHost& host_;
   Diagnostics& diagnostics_;
   LiveServer& server_;

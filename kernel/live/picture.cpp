@@ -137,7 +137,6 @@ Json Pictures::greeting() const {
           {"gravity", scene.gravity},
           {"elements", simulation_.complex().existing(3)},
           {"edge", edge_length_},
-          {"along_blade", simulation_.attributes().parts().may_grow()},
           {"fields", fields},
           {"plots", plots_.names()},
           {"obstacles", obstacles}};

@@ -80,7 +80,6 @@ function take_text(message) {
     $('#field').replaceChildren(...message.fields.map((field) => new Option(field.name)));
     picture.set_up(message);
     plots.set_up(message.plots);
-    $('#along').hidden = !message.along_blade;
   } else if ('control' in message) {
     live.control = message.control;
     enable_inputs();

@@ -72,7 +72,7 @@ class Session {
 
   /// Applies the event of a JSON text, whose name in messages is `name`.
   EventOutcome apply(const std::string& text, const std::string& name);
-  EventOutcome cut(TriangleSurface surface, bool rest_shape, bool along_blade);
+  EventOutcome cut(TriangleSurface surface, bool rest_shape, std::optional<bool> along_blade);
   void set_position(const py::array& values);
   void set_velocity(const py::array& values);
   /// Simulation::steer().
@@ -95,6 +95,8 @@ class Session {
   /// None if nothing is followed.
   FollowedSlopes* followed() { return run_.followed.get(); }
   std::shared_ptr<SessionState> copy();
+  /// Saves a checkpoint from which `suture run --resume` and `suture live` go on.
+  void save_checkpoint(const std::filesystem::path& file);
   /// Builds the run again and loads the state. If that fails, nothing has changed.
   void restore(const SessionState& state);
   // ---- live view: live.cpp ----
@@ -156,7 +158,7 @@ class Session {
   PluginHost host_{&diagnostics_};
   Scene scene_;
   Run run_;
-  std::string mesh_hash_;
+  CheckpointHeader header_;
   Observing observer_{*this};
   std::size_t warned_ = 0;
   std::optional<std::string> outcome_, failure_;

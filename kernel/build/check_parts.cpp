@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/build/check_parts.hpp"
 
-#include <algorithm>
-
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/integrator.hpp"
 
@@ -29,7 +27,7 @@ class PartsCheck {
         add(obstacle.path + "/coupling",
             std::string("needs nodes that move independently of each other, and points of this "
                         "surface share theirs; remove it, so that the tool moves along its path,") +
-                or_whole_cubes);
+                or_instead());
     for (const Event& event : scene.events) check(event);
     if (scene.output.cuts)
       add("/output/cuts",
@@ -56,9 +54,10 @@ class PartsCheck {
   void add(const std::string& path, const std::string& text) {
     mistakes_ += (mistakes_.empty() ? "" : "\n") + path + ": " + text;
   }
+  const char* or_instead() const { return by_blade_ ? or_along_faces : or_whole_cubes; }
   void refuse(const std::string& path, const std::string& remedy) {
     add(path, std::string(acts_on_whole_faces) + (by_blade_ ? blade_is_inside : surface_is_inside) +
-                  remedy + (by_blade_ ? or_along_faces : or_whole_cubes));
+                  remedy + or_instead());
   }
 
   bool by_blade_;
@@ -67,12 +66,8 @@ class PartsCheck {
 
 }  // namespace
 
-bool cuts_along_blades(const Scene& scene) {
-  return std::ranges::any_of(scene.events, &Event::is_along_blade);
-}
-
 void check_parts(const Scene& scene, const Parts& parts) {
-  const bool by_blade = cuts_along_blades(scene);
+  const bool by_blade = scene.divides_elements();
   if (parts.empty() && !by_blade && scene.output.surface)
     throw InputError(
         "/output/surface: is for bodies with \"surface\" in /mesh, and for cuts along a blade; "

@@ -6,9 +6,6 @@
 
 namespace suture {
 
-/// Whether the scene has cuts along blades, which leave parts of elements.
-bool cuts_along_blades(const Scene& scene);
-
 /// Refuses what would act on, or show, whole faces of elements of which only a part is material, or
 /// becomes so during the run; and, without such elements, what needs them. Throws one InputError
 /// with a line "PATH: TEXT" for each.

@@ -168,6 +168,11 @@ class Contact final : public ContactLaw {
     bool is_booked = false;
     Vec3 mean{};  ///< of the velocities before and after the step, if booked, m/s
   };
+  /// A place in pushed_, and the first place in near_ of what shares vertices with it.
+  struct Grouped {
+    std::size_t group, place;
+    auto operator<=>(const Grouped&) const = default;
+  };
   /// What obstacles have changed in the velocity of a vertex or point, and what it was then, m/s.
   struct Pushed {
     Pushed(Index of, std::size_t first_push) : vertex(of), first(first_push) {}
@@ -202,7 +207,9 @@ class Contact final : public ContactLaw {
   void add_near_point(Index number);
   void find_pairs();
   void push_points(double dt);
-  std::array<double, 2> sweep_points(double dt);
+  void group_points();
+  void push_group(std::span<const Grouped> group, double dt);
+  std::array<double, 2> sweep_points(std::span<const Grouped> group, double dt);
   Vec3 push_point(std::size_t i, double dt);
   Vec3 change_of(std::size_t i, const Vec3& end, const Vec3& velocity, double dt);
   void add_point(const ContactPoint& point);
@@ -242,6 +249,7 @@ class Contact final : public ContactLaw {
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
   std::vector<PointMass> point_masses_;       ///< of pushed_, with points
   std::vector<Vec3> directions_, residuals_;  ///< of the changes of pushed_, with points, m/s
+  std::vector<Grouped> grouped_;              ///< all of pushed_, with points
   std::vector<Index> near_of_vertex_;  ///< in near_, with points or edges; none outside a step
   std::vector<Index> shared_;          ///< places in pushed_ of those that pieces touch, too
   // Results of the last step.

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/contact/contact.hpp"
+#include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
 namespace {
@@ -41,18 +42,45 @@ void Contact::add_point(const ContactPoint& point) {
   }
 }
 
+/// Points that share no vertex, directly or through others, do not push each other: each group has
+/// sweeps of its own.
+void Contact::push_points(double dt) {
+  directions_.assign(pushed_.size(), {});
+  residuals_.resize(pushed_.size());
+  group_points();
+  for (auto first = grouped_.begin(); first != grouped_.end();) {
+    const auto last = std::find_if(
+        first, grouped_.end(), [&](const Grouped& point) { return point.group != first->group; });
+    push_group({first, last}, dt);
+    first = last;
+  }
+}
+
+void Contact::group_points() {
+  DisjointSets sets(near_.size());
+  const auto near_of = [&](std::size_t i, std::size_t j) {
+    return near_of_vertex_[point_masses_[i].point().vertices[j]];
+  };
+  for (std::size_t i = 0; i < pushed_.size(); ++i)
+    for (std::size_t j = 1; j < point_masses_[i].point().vertices.size(); ++j)
+      sets.unite(near_of(i, 0), near_of(i, j));
+  grouped_.clear();
+  for (std::size_t i = 0; i < pushed_.size(); ++i)
+    grouped_.push_back({sets.find(near_of(i, 0)), i});
+  std::ranges::sort(grouped_);
+}
+
 /// By sweeps of Gauss and Seidel, after each of which the pushes go on in the direction of the last
 /// ones, as conjugate gradients do (Silcowitz, Niebe and Erleben, Vis. Comput. 26 (2010) 893). The
 /// last sweep has the last word: each push obeys the law of contact.
-void Contact::push_points(double dt) {
-  directions_.assign(pushed_.size(), {});
+void Contact::push_group(std::span<const Grouped> group, double dt) {
   double last = 0;
   for (int sweep = 0; sweep < max_sweeps; ++sweep) {
-    const auto [largest, size] = sweep_points(dt);
+    const auto [largest, size] = sweep_points(group, dt);
     if (dt * largest <= least_push * shortest_edge_ || sweep + 1 == max_sweeps) break;
     const double factor = sweep == 0 || size > last ? 0 : size / last;
     last = size;
-    for (std::size_t i = 0; i < pushed_.size(); ++i) {
+    for (const auto [of, i] : group) {
       const Vec3 more = scaled(factor, directions_[i]);
       directions_[i] = plus(more, residuals_[i]);
       if (more == Vec3{}) continue;
@@ -63,10 +91,9 @@ void Contact::push_points(double dt) {
 }
 
 /// Returns the largest change of a velocity, m/s, and twice the kinetic energy of all changes, J.
-std::array<double, 2> Contact::sweep_points(double dt) {
-  residuals_.resize(pushed_.size());
+std::array<double, 2> Contact::sweep_points(std::span<const Grouped> group, double dt) {
   double largest = 0, size = 0;
-  for (std::size_t i = 0; i < pushed_.size(); ++i) {
+  for (const auto [of, i] : group) {
     residuals_[i] = push_point(i, dt);
     const double squared = dot(residuals_[i], residuals_[i]);
     largest = std::max(largest, squared);

@@ -58,8 +58,10 @@ class Integrator {
   virtual void synchronise() {}
   /// True if synchronise() has work to do.
   virtual bool waits() const { return false; }
-  /// The cells have changed.
+  /// What is known of the cells is no longer true.
   virtual void forget_cells() {}
+  /// An operation has changed the cells.
+  virtual void follow(const TopologyChange&) { forget_cells(); }
   /// State in addition to that of the motion.
   virtual void state(Archive&) {}
 

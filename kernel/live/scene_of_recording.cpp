@@ -122,9 +122,9 @@ class SceneWriter {
     for (const Ordered& triangle : sweep.at("triangles")) {
       Ordered polygon = Ordered::array();
       for (const std::size_t corner : triangle) polygon.push_back(sweep.at("points").at(corner));
-      Ordered cut{{"plane", {{"polygon", polygon}}}};
-      if (sweep.contains("along")) cut["along"] = sweep["along"];
-      scene_["events"].push_back({{"at", time}, {"cut", cut}});
+      scene_["events"].push_back(
+          {{"at", time},
+           {"cut", {{"plane", {{"polygon", polygon}}}, {"along", sweep.value("along", "faces")}}}});
     }
   }
 
@@ -146,6 +146,9 @@ class SceneWriter {
 }  // namespace
 
 RecordedScene scene_of(const Recording& recording, double end) {
+  if (!recording.checkpoint.empty())
+    throw InputError("the run began at " + recording.checkpoint.string() +
+                     "; a scene begins at rest, so it cannot do what was done since");
   try {
     SceneWriter writer(recording.source.text);
     for (const RecordedInput& input : recording.inputs) writer.add(input);

@@ -22,7 +22,8 @@ class Blade {
   virtual bool is_endless() const = 0;
   /// Whether the point of it that is nearest to a place is not on its rim.
   virtual bool holds(const Vec3& place) const = 0;
-  /// Whether an element is a copy that a cut along it has made, with these heights.
+  /// Whether an element must not be divided again by it, with these heights: a cut along it has
+  /// made this copy.
   virtual bool has_divided(Index /*element*/, const std::vector<double>& /*heights*/) const {
     return false;
   }

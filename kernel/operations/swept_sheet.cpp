@@ -21,6 +21,9 @@ constexpr double kept_behind = 4, kept_outside = 2;
 constexpr double searched = 2;
 // In another stroke, of an element: what is nearer to an earlier sheet is on it.
 constexpr double on_earlier = 0.15;
+// Of an element by all strokes: one slit, and another one that begins in it or crosses it. Tissue
+// that trembles at an edge would be shredded without a limit.
+constexpr unsigned most_divisions = 2;
 constexpr double no_height = std::numeric_limits<double>::quiet_NaN();
 
 /// The farthest that a point has moved.
@@ -41,7 +44,7 @@ SweptSheet::SweptSheet(const CellComplex& complex, Attributes& attributes,
       size_(longest_edge(complex, attributes.rest().rows(), 4)),
       kept_(complex.count(0), no_height),
       stroke_of_(complex.count(0), 0),
-      is_divided_(complex.element_count()) {
+      times_divided_(complex.element_count()) {
   for (std::size_t i = 0; i + 1 < edge.size(); ++i) {
     const double length = norm(minus(edge[i + 1], edge[i]));
     divisions_.push_back(static_cast<Index>(std::ceil(length / (between_points * size_)) + 1));
@@ -187,7 +190,7 @@ const SurfacePatch& SweptSheet::sheet() const {
 
 void SweptSheet::keep(const std::vector<double>& heights, std::span<const Index> divided) {
   for (const Index e : divided) {
-    is_divided_[e] = 1;
+    ++times_divided_[e];
     for (const Index v : complex_.vertices_of(e)) {
       kept_[v] = heights[v];
       stroke_of_[v] = stroke_;
@@ -196,9 +199,10 @@ void SweptSheet::keep(const std::vector<double>& heights, std::span<const Index>
 }
 
 bool SweptSheet::has_divided(Index element, const std::vector<double>& heights) const {
-  return is_divided_[element] != 0 &&
-         std::ranges::all_of(complex_.vertices_of(element),
-                             [&](Index v) { return heights[v] == kept_[v]; });
+  const unsigned times = times_divided_[element];
+  return times >= most_divisions ||
+         (times > 0 && std::ranges::all_of(complex_.vertices_of(element),
+                                           [&](Index v) { return heights[v] == kept_[v]; }));
 }
 
 void SweptSheet::follow(const TopologyChange& change) {
@@ -206,7 +210,8 @@ void SweptSheet::follow(const TopologyChange& change) {
     kept_.push_back(double(kept_[split.old_cell]));
     stroke_of_.push_back(Index(stroke_of_[split.old_cell]));
   }
-  for (const Split& copy : change.copies) is_divided_.push_back(bool(is_divided_[copy.old_cell]));
+  for (const Split& copy : change.copies)
+    times_divided_.push_back(std::uint8_t{times_divided_[copy.old_cell]});
   finder_.follow(change);
 }
 
@@ -224,7 +229,7 @@ void SweptSheet::state(Archive& archive) {
   archive("kept", kept_);
   archive("stroke of", stroke_of_);
   archive("stroke", stroke_);
-  archive("is divided", is_divided_);
+  archive("is divided", times_divided_);
   archive.rows<Dart>("ties", ties_);
   if (!archive.loads()) return;
   sheet_.reset();

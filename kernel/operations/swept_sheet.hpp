@@ -83,7 +83,7 @@ class SweptSheet final : public Blade {
   /// Heights that are kept, by vertex, m: NaN without one; and in which stroke they were.
   std::vector<double> kept_;
   std::vector<Index> stroke_of_;
-  std::vector<std::uint8_t> is_divided_;  ///< by element: it is, or is a copy of what is
+  std::vector<std::uint8_t> times_divided_;  ///< by element; of copies, with their originals
   Index stroke_ = 0;
   std::vector<Tie> ties_;
 };

@@ -261,22 +261,26 @@ std::vector<std::array<std::uint64_t, 2>> read_pairs(const JsonValue& value,
   return pairs;
 }
 
-/// "along": what the cut follows.
-void read_along(ObjectReader& cut, EventOperation& result) {
+/// "along": what the cut follows; `by_default`: the blade, where it can.
+void read_along(ObjectReader& cut, bool by_default, EventOperation& result) {
   static const std::array<std::string, 2> ways{"faces", "blade"};
-  if (cut.choice("along", ways) != 1u) return;
+  const bool is_given = cut.find("along") != nullptr;
+  if (!is_given && !by_default) return;
+  if (is_given && cut.choice("along", ways) != 1u) return;
   auto* blade = std::get_if<CutBlade>(&result);
   if (auto* plane = std::get_if<CutPlane>(&result))
     plane->along_blade = true;
   else if (auto* surface = std::get_if<CutSurface>(&result))
     surface->along_blade = true;
-  else if (blade && blade->resistance)
+  else if (blade && !blade->resistance)
+    blade->along_blade = true;
+  else if (!is_given)
+    return;
+  else if (blade)
     cut.complain(
         "along",
         "\"blade\" is not for a blade with \"resistance\", which does not know the parts of "
         "elements; remove the resistance, or cut along \"faces\"");
-  else if (blade)
-    blade->along_blade = true;
   else
     cut.complain("along", "\"blade\" needs a blade, and faces are listed; remove it");
 }
@@ -292,7 +296,7 @@ EventOperation read_cut(ObjectReader cut, Reading& reading) {
     if (*kind == 1) result = read_surface({inner, path, cut.mistakes()}, reading);
     if (*kind == 2) result = read_blade({inner, path, cut.mistakes()}, reading);
     if (*kind == 3) result = CutFaces{read_pairs(inner, path, cut.mistakes())};
-    read_along(cut, result);
+    read_along(cut, reading.scene.cuts_follow_blade, result);
   }
   cut.finish();
   return result;

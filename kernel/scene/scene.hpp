@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -20,6 +21,7 @@
 #include "kernel/scene/cell_values.hpp"
 #include "kernel/scene/constraint.hpp"
 #include "kernel/scene/event.hpp"
+#include "kernel/scene/field_condition.hpp"
 #include "kernel/scene/scene_places.hpp"
 #include "kernel/scene/selection.hpp"
 #include "kernel/topology/import.hpp"
@@ -176,14 +178,22 @@ struct Scene {
   TimeRamp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<Load> loads;
+  std::vector<FieldCondition> fields;
   ContactOptions contact;
-  std::vector<Event> events;  ///< by time (Event::start)
+  std::vector<Event> events;       ///< by time (Event::start)
+  bool cuts_follow_blade = false;  ///< unless they say "along": version 2 of the format
   SolverOptions solver;
   OutputOptions output;
   CheckpointOptions checkpoint;
   std::vector<std::filesystem::path> files;  ///< meshes, surfaces and tables that it names
   SceneSource source;
   ScenePlaces places;
+
+  /// Whether it has cuts along blades, which leave parts of elements.
+  bool divides_elements() const { return std::ranges::any_of(events, &Event::is_along_blade); }
+  /// Whether cuts that programs add to the run follow the blade unless they say "along": models are
+  /// prepared for that only if the scene has such cuts.
+  bool added_cuts_follow_blade() const { return cuts_follow_blade && divides_elements(); }
 };
 
 }  // namespace suture

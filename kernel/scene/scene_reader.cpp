@@ -16,13 +16,14 @@ namespace {
 
 using namespace scene_parts;
 
-void read_version(ObjectReader& top) {
-  top.require("suture", "the version of the format, \"suture\": 1");
+void read_version(ObjectReader& top, Scene& scene) {
+  top.require("suture", "the version of the format, \"suture\": 2");
   const auto version = top.natural("suture", 1);
-  if (version && *version != 1) {
+  if (version && *version > 2) {
     top.complain("suture", "is version " + std::to_string(*version) +
-                               " of the scene format; this program reads version 1");
+                               " of the scene format; this program reads versions 1 and 2");
   }
+  scene.cuts_follow_blade = version == 2u;
 }
 
 // A ramp that is still rising when the run ends never shows its full value.
@@ -48,7 +49,7 @@ void warn_of_late_ramps(const Reading& reading) {
 void read_top(const JsonValue& root, Reading& reading) {
   ObjectReader top(root, "", reading.mistakes);
   if (!top.is_object()) return;
-  read_version(top);
+  read_version(top, reading.scene);
   reading.scene.title = top.string("title").value_or("");
   const char* source = "where the elements come from";
   const JsonValue* mesh = reading.scene.mesh.given ? top.find("mesh") : top.require("mesh", source);
@@ -59,6 +60,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   read_loads(top, reading);
   const JsonValue* solver = top.require("solver", "how to run, and for how long");
   if (solver != nullptr) read_solver(*solver, reading);
+  read_field_conditions(top, reading);
   read_contact(top, reading);
   read_events(top, reading);
   read_output(top.find("output"), reading);
@@ -202,6 +204,7 @@ Event read_event(std::string_view text, const std::string& name, const Scene& sc
   around.models = scene.models;
   around.solver = scene.solver;
   around.contact = scene.contact;
+  around.cuts_follow_blade = scene.added_cuts_follow_blade();
   Mistakes mistakes(name, {});
   Reading reading{
       around, scene.file.parent_path(), scene.source.working_folder, {}, {}, mistakes, diagnostics};

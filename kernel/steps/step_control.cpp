@@ -246,7 +246,7 @@ void StepControl::check_state(const Notify& notify) {
 
 std::string StepControl::balance_warning() const {
   const double open = guard_.open_balance();
-  if (built_.dynamics().is_static() || !(std::abs(open) > notable_balance)) return "";
+  if (!built_.dynamics().has_balance() || !(std::abs(open) > notable_balance)) return "";
   std::ostringstream text;
   text << "the energy balance closes only to " << 100 * open << " % of the energy exchanged: ";
   if (scene_.solver.integrator == "implicit-euler")
@@ -334,13 +334,20 @@ void StepControl::restore(const KeptStates::State& kept) {
   recorder_.roll_back(clock_.step());
 }
 
+/// The element with this number of the user; a copy of it, if a blade has divided it; or none.
+Index StepControl::element_now(std::uint64_t number) const {
+  const Selector& selector = built_.selector();
+  if (number == NumericalError::nowhere || selector.element_with_id(number) == none) return none;
+  const std::vector<Index> found = selector.elements_now(
+      {Selection::Ids{{number}}, ""}, built_.body().attributes().position().rows());
+  return found.empty() ? none : found.front();
+}
+
 void StepControl::give_up(const NumericalError& error) {
   std::ostringstream text;
   text << "step " << clock_.step() << ", " << timed(clock_.time(), error.what());
-  const Index element = error.element != NumericalError::nowhere
-                            ? built_.selector().element_with_id(error.element)
-                            : none;
-  if (element != none) text << "; the element is at " << built_.place_of(element);
+  if (const Index element = element_now(error.element); element != none)
+    text << "; the element is at " << built_.place_of(element);
   Evidence evidence(built_, clock_.time());
   if (kept_.empty()) {
     recorder_.roll_back(clock_.step() - 1);

@@ -95,6 +95,7 @@ class StepControl {
   bool should_retry_smaller();
   void roll_back(const NumericalError& error, const Notify& notify);
   void restore(const KeptStates::State& kept);
+  Index element_now(std::uint64_t number) const;
   [[noreturn]] void give_up(const NumericalError& error);
   std::string advice(const NumericalError& error) const;
   const char* step_setting() const;

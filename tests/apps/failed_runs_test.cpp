@@ -171,6 +171,19 @@ TEST_F(FailedRuns, AForceBeyondAllMeasureStopsAFixedStepToo) {
   EXPECT_TRUE(run.says("finite")) << run;
 }
 
+// The element that failed has the number of one that is gone.
+TEST_F(FailedRuns, APlaceIsThatOfTheCopyOfAnElementThatABladeHasDivided) {
+  const Outcome run = block("[0.2, 0.2, 0.2]", "[2, 2, 2]", tm(1e5),
+                            R"("constraints": [)" + held +
+                                R"(],
+        "events": [{"at": 0, "cut": {"along": "blade", "plane": {
+          "point": [0.15, 0.1, 0.1], "normal": [1, 0.2, 0.1]}}}],
+        "loads": [{"force": [1e300, 0, 0], "where": {"set": "x1"}}],
+        "solver": {"dt": 1e-4, "end": 0.1}, "output": false)");
+  EXPECT_EQ(run.code, 5) << run;
+  EXPECT_TRUE(run.says("the element is at (0.1")) << run;
+}
+
 TEST_F(FailedRuns, AnEndThatNoRunReachesStartsStepping) {
   const Outcome run = block("[0.2, 0.2, 0.2]", "[2, 2, 2]", tm(1e5),
                             R"("solver": {"end": 1e19, "max_steps": 50}, "output": false)");

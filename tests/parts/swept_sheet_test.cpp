@@ -157,6 +157,17 @@ TEST_F(MovingAlong, RandomWaysKeepVolumeSurfaceAndMap) {
   EXPECT_LE(splinters, runs / 100) << "of two per mille of an element";
 }
 
+// As tissue does that trembles at an edge: ten ways through one layer of elements, beside each
+// other.
+TEST_F(MovingAlong, DoesNotShredWhatItPassesAgainAndAgain) {
+  std::vector<CutBlade::Station> stations;
+  for (int i = 0; i <= 10; ++i) stations.push_back(at(i, i % 2 == 0 ? -3 : 15, 1.03 + 0.09 * i));
+  build(stations);
+  for (int i = 0; i <= 1000; ++i) divided += open->events.fire(0, 0.01 * i).elements_cut;
+  EXPECT_GE(divided, 48u);
+  EXPECT_LE(divided, 3 * 48u) << "an element once, and both of its copies";
+}
+
 // A blade that crosses its own way: what it leaves is sound, whatever it is.
 TEST_F(MovingAlong, WildWaysKeepMapAndMass) {
   for (unsigned seed = 1; seed <= (std::getenv("SUTURE_FULL") ? 400u : 8u); ++seed) {

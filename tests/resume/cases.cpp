@@ -18,12 +18,13 @@ bool uses(const Json& scene, const char* model) {
 /// Every file of the folder that the scene may name.
 Case documented(const fs::path& file) {
   Case result{file.stem(), Json::parse(read_text(file), nullptr, true, true)};
-  const auto add_file = [&](const Json& reader) {
-    if (!reader.contains("file")) return;
-    const std::string name = reader["file"];
+  const auto add_file = [&](const Json& reader, const char* key = "file") {
+    if (!reader.contains(key)) return;
+    const std::string name = reader[key];
     result.files[name] = read_text(file.parent_path() / name);
   };
   add_file(result.scene["mesh"]);
+  add_file(result.scene["mesh"], "surface");
   if (result.scene.contains("contact"))
     for (const Json& obstacle : result.scene["contact"].value("obstacles", Json::array()))
       if (obstacle.contains("surface")) add_file(obstacle["surface"]);

@@ -20,6 +20,7 @@ struct Shipped {
   std::vector<std::pair<const char*, Vec3>> coordinates;  ///< all, but for the mesh
   std::vector<std::string> sets{};                        ///< to be quick
   const char* mesh = "box";
+  double tolerance = 0;
 };
 
 void PrintTo(const Shipped& shipped, std::ostream* stream) { *stream << shipped.name; }
@@ -43,7 +44,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Shipped{"letters",
                             {{plane, {1.2, 0.32, 0}}, {"/events/1/cut/plane/point", {0.2, 0.3, 0}}},
                             {"/solver/end=0.4", "/events/0/at=0.1", "/events/1/at=0.2"},
-                            "voxels"},
+                            "voxels",
+                            1e-6},
                     Shipped{"notched-strip",
                             {{"/events/0/cut/plane/polygon/0", {0.1, 0.04, -1}},
                              {"/events/0/cut/plane/polygon/1", {0.1, 0.07, -1}},
@@ -74,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 // A shape of cubes has the same nodes wherever it is, and these coordinates only select:
-// the bits are the same.
+// the bits are the same. Cuts along the blade lie where the scene has rounded them.
 TEST_P(ShippedScenes, HaveTheSameBitsFarAway) {
   const Shipped& shipped = GetParam();
   TemporaryFolder folder;
@@ -94,7 +96,7 @@ TEST_P(ShippedScenes, HaveTheSameBitsFarAway) {
     return TranslatedRun(scene);
   };
   const TranslatedRun near = run({}, "near");
-  expect_same(near, run(far_away, "far"), 0);
+  expect_same(near, run(far_away, "far"), shipped.tolerance);
   if (!std::filesystem::exists(folder / "near/probes.csv")) return;
   const CsvTable a(folder / "near/probes.csv"), b(folder / "far/probes.csv");
   ASSERT_EQ(a.rows.size(), b.rows.size());

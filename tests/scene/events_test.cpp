@@ -66,6 +66,27 @@ TEST(Events, PlanesMayBeBounded) {
   EXPECT_EQ(with_hole.normal, (Vec3{0, 0, 16})) << "sides that touch do not cross";
 }
 
+// A list of faces has no blade, and a resistance does not know the parts of elements.
+TEST(Events, CutsOfVersionTwoFollowTheBladeWhereTheyCan) {
+  const auto follows = [](const std::string& version, const std::string& cut) {
+    const Scene scene =
+        read(scene_with(R"(, "events": [{)" + cut + R"(}], "contact": {"obstacles": [{
+          "name": "knife", "sphere": {"centre": [9, 0, 0], "radius": 1}}]})"),
+             {"/suture=" + version});
+    return scene.events[0].is_along_blade();
+  };
+  const std::string plane = R"("plane": {"point": [1, 2, 3], "normal": [0, 0, 2]})";
+  const std::string carried = R"("obstacle": "knife", "points": [[0, 0, 0], [1, 0, 0]])";
+  const std::string at = R"("at": 0, )";
+  EXPECT_TRUE(follows("2", at + R"("cut": {)" + plane + "}"));
+  EXPECT_FALSE(follows("1", at + R"("cut": {)" + plane + "}"));
+  EXPECT_FALSE(follows("2", at + R"("cut": {"along": "faces", )" + plane + "}"));
+  EXPECT_TRUE(follows("2", R"("cut": {"blade": {)" + carried + "}}"));
+  EXPECT_FALSE(
+      follows("2", R"("cut": {"blade": {)" + carried + R"(, "resistance": {"toughness": 1}}})"));
+  EXPECT_FALSE(follows("2", at + R"("cut": {"faces": [[0, 1]]})"));
+}
+
 TEST(Events, TearNamesWhatItLooksAt) {
   const auto tear = only<Tear>(
       R"({"every": 1, "tear": {"by": "principal-strain", "above": 0.3, "most": 0.5,

@@ -202,8 +202,9 @@ class Simulation(_suture.Simulation):
         surface  (vertices, triangles): arrays (n, 3) in m and (k, 3); or a dict as in a scene
         faces    pairs of elements [(4, 5), ...] by the user's numbers
         shape    "deformed" (default) or "rest": where plane and surface lie
-        along    "faces" (default): open faces of elements; or "blade": divide the elements that the
-                 plane or the surface crosses. The scene must have such a cut among its events.
+        along    "faces": open faces of elements; or "blade": divide the elements that the plane or
+                 the surface crosses. The scene must have such a cut among its events; it is then the
+                 default in version 2 of the format.
         """
         kind, blade = _one_of(plane=plane, surface=surface, faces=faces)
         if kind == "plane" and not isinstance(blade, dict):
@@ -215,7 +216,7 @@ class Simulation(_suture.Simulation):
             if along not in (None, "faces", "blade"):
                 raise ValueError(f"along must be 'faces' or 'blade', is {along!r}")
             return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest",
-                                             along == "blade"))
+                                             along and along == "blade"))
         return self._operate("cut", _without_none(**{kind: blade}, along=along), shape)
 
     def grasp(self, name, where=None, move=None, ramp=None, *, obstacle=None, reach=None):

@@ -98,6 +98,13 @@ bool Body::is_conservative(double time) const {
   });
 }
 
+bool Body::has_transpose(double time) const {
+  return std::ranges::all_of(terms_, [&](const auto& term) {
+    auto* tangent = dynamic_cast<TangentTerm*>(term.get());
+    return !tangent || tangent->has_transpose(time);
+  });
+}
+
 double Body::last_change() const {
   double last = constraints_.last_change();
   for (const FieldEquation& field : fields_) last = std::max(last, field.last_change());

@@ -104,6 +104,7 @@ class Body {
   // For the loads:
   bool has_loads() const;                   ///< some term adds to rows
   bool is_conservative(double time) const;  ///< TangentTerm::is_conservative() of all terms
+  bool has_transpose(double time) const;    ///< TangentTerm::has_transpose() of all terms
   double last_change() const;               ///< when the last ramp and motion ends, s
   /// Some component of some vertex with mass is not prescribed. O(vertices).
   bool has_free_vertices();

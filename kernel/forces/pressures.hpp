@@ -63,6 +63,7 @@ class PressuresOn final : public ForceTerm,
   void for_each_tangent(double dx, double dv, const TangentTime& at,
                         const VisitTangents& visit) override;
   bool is_conservative(double time) override;
+  bool has_transpose(double) override { return true; }
   double work() const override { return work_; }
   void forget_last() override;
   void restart() override;

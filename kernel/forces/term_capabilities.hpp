@@ -56,6 +56,8 @@ class TangentTerm {
   /// free edge, and for models whose forces have no energy: the matrices of a sample of 64 cells
   /// per functor are computed at the current state.
   virtual bool is_conservative(double /*time*/) { return true; }
+  /// True if the transpose of the whole tangent is add_tangent() minus add_skew_tangent().
+  virtual bool has_transpose(double time) { return is_conservative(time); }
   /// out += the derivative of its forces in the direction (dx d, dv d), but for what
   /// add_skew_tangent() adds; 3 numbers per vertex.
   virtual void add_tangent(const double* d, double dx, double dv, const TangentTime& at,

@@ -41,10 +41,10 @@ void require_terms(Body& body, double time) {
     refuse(
         "a model has a memory, on which its forces depend; call keep_steps() before the run, whose "
         "derivatives contain it");
-  if (!body.is_conservative(time))
+  if (!body.has_transpose(time))
     refuse(
-        "its tangent is not symmetric, as under a pressure up to a free edge or with a model "
-        "without an energy, and the transpose is not available");
+        "its tangent is not symmetric, as with a model or a force function without an energy, and "
+        "the transpose is not available");
 }
 
 }  // namespace
@@ -83,10 +83,10 @@ void EquilibriumSlopes::for_each_held(Visit visit) const {
 
 /// x += the solution of A x = right; returns the iterations.
 unsigned EquilibriumSlopes::add_solution(const std::vector<double>& right, double tolerance,
-                                         std::vector<double>& x) const {
+                                         bool is_transposed, std::vector<double>& x) const {
   std::vector<double> more(right.size());
-  const LinearSolve solve =
-      dynamics_.newton()->solve_tangent(equations_at(body_, time_), right, more, tolerance);
+  const LinearSolve solve = dynamics_.newton()->solve_tangent(equations_at(body_, time_), right,
+                                                              more, tolerance, is_transposed);
   if (solve.outcome == LinearSolve::Outcome::indefinite)
     refuse("its tangent is indefinite, so the equilibrium is unstable or a limit point");
   if (solve.outcome == LinearSolve::Outcome::too_many) {
@@ -103,9 +103,9 @@ unsigned EquilibriumSlopes::add_solution(const std::vector<double>& right, doubl
 // contact do, y converges by y += k N^T (x + fixed), with the equations solved again each time.
 EquilibriumSlopes::Solution EquilibriumSlopes::solve(const std::vector<double>& right,
                                                      const std::vector<double>& fixed,
-                                                     double tolerance) const {
+                                                     double tolerance, bool is_transposed) const {
   Solution found{std::vector<double>(right.size()), std::vector<double>(right.size()), 0};
-  found.iterations = add_solution(right, tolerance, found.x);
+  found.iterations = add_solution(right, tolerance, is_transposed, found.x);
   double scale = norm(right);
   for (unsigned updates = 0; updates < max_updates; ++updates) {
     std::vector<double> whole = found.x, gaps(right.size());
@@ -117,7 +117,8 @@ EquilibriumSlopes::Solution EquilibriumSlopes::solve(const std::vector<double>& 
     scale = std::max(scale, left);
     if (left <= tolerance * scale) return found;
     for (std::size_t i = 0; i < gaps.size(); ++i) found.held[i] -= gaps[i];
-    found.iterations += add_solution(gaps, std::max(tolerance, tolerance * scale / left), found.x);
+    found.iterations +=
+        add_solution(gaps, std::max(tolerance, tolerance * scale / left), is_transposed, found.x);
   }
   refuse("the multipliers of contact do not converge");
 }
@@ -134,7 +135,7 @@ Adjoint EquilibriumSlopes::adjoint(const ObjectiveSlopes& objective, double tole
     const std::vector<double> elastic = elastic_forces(body_, time_);
     for (std::size_t i = 0; i < right.size(); ++i) right[i] -= objective.energy * elastic[i];
   }
-  Solution found = solve(right, held, tolerance);
+  Solution found = solve(right, held, tolerance, true);
   // right contains (df/dx)^T m already.
   const std::vector<double> reached = transposed_tangent(body_, time_, found.x);
   Adjoint adjoint{
@@ -148,7 +149,7 @@ Adjoint EquilibriumSlopes::adjoint(const ObjectiveSlopes& objective, double tole
 
 Sensitivity EquilibriumSlopes::sensitivity(const std::vector<double>& forces,
                                            double tolerance) const {
-  Solution found = solve(forces, std::vector<double>(forces.size()), tolerance);
+  Solution found = solve(forces, std::vector<double>(forces.size()), tolerance, false);
   const std::vector<double> moved = tangent(body_, time_, found.x);
   Sensitivity sensitivity{std::move(found.x), std::vector<double>(forces.size())};
   for_each_held(

@@ -66,14 +66,15 @@ class EquilibriumSlopes {
   Sensitivity sensitivity(const std::vector<double>& forces, double tolerance) const;
 
  private:
-  /// Solves K x + N y = right and N^T (x + fixed) = 0, where obstacles hold gaps N^T x.
+  /// Solves K x + N y = right, or with K^T, and N^T (x + fixed) = 0, where obstacles hold gaps N^T
+  /// x.
   struct Solution {
     std::vector<double> x, held;  ///< held: N y
     unsigned iterations = 0;
   };
   Solution solve(const std::vector<double>& right, const std::vector<double>& fixed,
-                 double tolerance) const;
-  unsigned add_solution(const std::vector<double>& right, double tolerance,
+                 double tolerance, bool is_transposed) const;
+  unsigned add_solution(const std::vector<double>& right, double tolerance, bool is_transposed,
                         std::vector<double>& x) const;
   void require_rest() const;
   template <class Visit>

@@ -31,8 +31,8 @@ constexpr double asymmetry = 1e-9;  // that rounding makes
 
 [[noreturn]] void refuse_asymmetry() {
   refuse_run(
-      "its tangent is not symmetric, as under a pressure up to a free edge or with a model "
-      "without an energy, and the transpose is not available");
+      "its tangent is not symmetric, as with a model or a force function without an energy, and "
+      "the transpose is not available");
 }
 
 void require_smooth(Dynamics& dynamics) {
@@ -111,7 +111,7 @@ void StepSlopes::back_implicitly(const StepEquations& equations, const StepEnds&
   const TangentTime at(equations.time, equations.dt);
   std::ranges::copy(step.position, attributes.position().rows());
   require_solved(equations);  // and sets v'
-  require_symmetric(at);
+  require_transpose(at);
 
   add_objective(objective, at.time, slope);
   Multipliers multipliers{std::vector<double>(mass_.size()), objective.energy,
@@ -142,7 +142,7 @@ std::vector<double> StepSlopes::find_multipliers(const StepEquations& equations,
     if (!is_free_[i]) multipliers.force[i] = -objective.reaction[i];
   if (!objective.reaction.empty()) add(right, transposed_tangent(body_, at, multipliers.force));
   if (!states_.empty()) add(right, slopes_by_position(body_, states_, at, multipliers.states));
-  std::vector<double> found = solve(equations, right, tolerance);
+  std::vector<double> found = solve(equations, right, tolerance, true);
   add(multipliers.force, found);
   motion_ = transposed_tangent(body_, at, found);
   for (std::size_t i = 0; i < motion_.size(); ++i)
@@ -253,7 +253,7 @@ void StepSlopes::forward(const StepEnds& step, const ParameterDirection& paramet
   const std::vector<double> states = states_.accepted();
   std::ranges::copy(step.position, body_.attributes().position().rows());
   require_solved(*equations);
-  require_symmetric(at);
+  require_transpose(at);
   StateSlope& now = slope.state;
   if (rate != 0) add(now.position, now.velocity, step.dt);  // dx*
   const Moment moment = moment_at_end(*equations, step);
@@ -270,7 +270,7 @@ void StepSlopes::forward(const StepEnds& step, const ParameterDirection& paramet
   for (std::size_t i = 0; i < mass_.size(); ++i)
     right[i] += mass_[i] * (equations->acceleration * now.position[i] - alpha * speed[i]);
   add(right, damping_tangent(body_, at, speed));
-  std::vector<double> moved = solve(*equations, right, tolerance);
+  std::vector<double> moved = solve(*equations, right, tolerance, false);
   add(moved, change.motion);
   add(speed, moved, rate);
   now = {std::move(moved), std::move(speed), std::move(now.states)};
@@ -324,31 +324,34 @@ void StepSlopes::require_solved(const StepEquations& equations) {
             "between, or after it. Keep the steps after the last change";
     refuse_run(text.str());
   }
-  if (!body_.is_conservative(equations.time)) refuse_asymmetry();
+  if (!body_.has_transpose(equations.time)) refuse_asymmetry();
 }
 
-/// Of the tangents of a step of the models, on the free components: by two directions, once.
-void StepSlopes::require_symmetric(const TangentTime& at) {
+/// Whether what is used as the transpose of tangents is it, on the free components: by two
+/// directions, once.
+void StepSlopes::require_transpose(const TangentTime& at) {
   if (is_checked_) return;
   is_checked_ = true;
   std::minstd_rand random(1);
   std::vector<double> a(mass_.size()), b(mass_.size());
   for (std::size_t i = 0; i < mass_.size(); ++i)
     if (is_free_[i]) a[i] = static_cast<double>(random()), b[i] = static_cast<double>(random());
-  for (const auto product : {tangent, damping_tangent}) {
-    const std::vector<double> of_a = product(body_, at, a), of_b = product(body_, at, b);
+  const auto require = [&](const std::vector<double>& of_a, const std::vector<double>& of_b) {
     if (std::abs(dot(a, of_b) - dot(b, of_a)) > asymmetry * norm(a) * norm(of_b))
       refuse_asymmetry();
-  }
+  };
+  require(transposed_tangent(body_, at, a), tangent(body_, at, b));
+  require(damping_tangent(body_, at, a), damping_tangent(body_, at, b));
 }
 
 /// The l of a step, from what is on the right.
 std::vector<double> StepSlopes::solve(const StepEquations& equations,
-                                      const std::vector<double>& right, double tolerance) {
+                                      const std::vector<double>& right, double tolerance,
+                                      bool is_transposed) {
   std::vector<double> found(right.size()), free = right;
   solver_.start(equations.time);
   solver_.set_matrix(equations);
-  solver_.set_symmetric(true);
+  solver_.set_symmetric(body_.is_conservative(equations.time), is_transposed);
   solver_.matrix().restrict(free);
   if (std::ranges::all_of(free, [](double r) { return r == 0; })) return found;
   const LinearSolve solve = solver_.solve(free, found, tolerance);
@@ -383,7 +386,7 @@ void StepSlopes::back_explicitly(const StepEnds& step, const ObjectiveSlopes& ob
       moment.inertia[i] = now.acceleration(static_cast<Index>(i / 3))[i % 3] +
                           motion.damping() * attributes.velocity().rows()[row_of(i)];
   require_reached(step, made, moment.inertia);
-  require_symmetric(at);
+  require_transpose(at);
 
   Multipliers multipliers{std::vector<double>(mass_.size()), objective.energy};
   if (objective.energy != 0) {

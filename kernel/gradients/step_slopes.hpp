@@ -116,7 +116,7 @@ class StepSlopes {
   void add_states(const TangentTime& at, const Multipliers& multipliers,
                   std::vector<double>& states) const;
   std::vector<double> solve(const StepEquations& equations, const std::vector<double>& right,
-                            double tolerance);
+                            double tolerance, bool is_transposed);
   /// What a number of a scene changes at fixed positions of free components.
   struct External {
     std::vector<double> forces, motion;  ///< N and m over its unit, 3 numbers per vertex
@@ -130,7 +130,7 @@ class StepSlopes {
   void move_states(const std::vector<double>& states, const std::vector<double>& way,
                    double part) const;
   void require_solved(const StepEquations& equations);
-  void require_symmetric(const TangentTime& at);
+  void require_transpose(const TangentTime& at);
   void require_reached(const StepEnds& step, const ExplicitStep& made,
                        const std::vector<double>& acceleration);
 

@@ -94,11 +94,11 @@ class Newton {
   Balance balance(const StepEquations& equations);
   /// Whether these equations are solved with the motions of free pieces held.
   bool holds_free_pieces();
-  /// Solves A x = b with the tangent of these equations at the current positions, on the free
-  /// components; x is 0 elsewhere. By the preconditioner of the last step, where it is of use.
-  /// Changes no bit of later steps.
+  /// Solves A x = b, or A^T x = b, with the tangent of these equations at the current positions, on
+  /// the free components; x is 0 elsewhere. By the preconditioner of the last step, where it is of
+  /// use. Changes no bit of later steps.
   LinearSolve solve_tangent(const StepEquations& equations, std::span<const double> b,
-                            std::span<double> x, double tolerance);
+                            std::span<double> x, double tolerance, bool is_transposed = false);
 
   /// Called after each iteration, for `suture run -v`.
   struct Iteration {

@@ -23,11 +23,11 @@ bool Newton::holds_free_pieces() {
 }
 
 LinearSolve Newton::solve_tangent(const StepEquations& equations, std::span<const double> b,
-                                  std::span<double> x, double tolerance) {
+                                  std::span<double> x, double tolerance, bool is_transposed) {
   solver_.begin_step();
   start(equations);
   solver_.set_matrix(equations);
-  solver_.set_symmetric(true);
+  solver_.set_symmetric(is_symmetric(equations), is_transposed);
   std::vector<double> right(b.begin(), b.end());
   solver_.matrix().restrict(right);
   std::ranges::fill(x, 0.0);

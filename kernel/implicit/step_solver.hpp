@@ -34,8 +34,12 @@ class StepSolver {
   /// The tangent at the current state.
   void set_matrix(const StepEquations& equations);
   const TangentMatrix& matrix() const { return matrix_; }
-  /// Whether it is symmetric: the choice between conjugate gradients and GMRES.
-  void set_symmetric(bool is_symmetric) { is_symmetric_ = is_symmetric; }
+  /// Whether it is symmetric: the choice between conjugate gradients and GMRES. If not, systems may
+  /// be those of its transpose.
+  void set_symmetric(bool is_symmetric, bool is_transposed = false) {
+    is_symmetric_ = is_symmetric;
+    matrix_.set_transposed(is_transposed);
+  }
 
   /// Solves A x = b. Throws the errors of terms.
   LinearSolve solve(std::span<const double> b, std::span<double> x, double tolerance);

@@ -73,7 +73,7 @@ void TangentMatrix::apply(const double* x, double* y) const {
 void TangentMatrix::apply_whole(const double* x, double* y) const {
   apply(x, y);
   for_each_term<TangentTerm>([&](TangentTerm& term, double factor, const TangentTime& at) {
-    term.add_skew_tangent(x, -factor, at, y);
+    term.add_skew_tangent(x, -factor * skew_, at, y);
   });
   restrict({y, free_.size()});
 }

@@ -47,8 +47,10 @@ class TangentMatrix {
   const std::vector<std::uint8_t>& free() const { return free_; }
   /// y = A x. About three evaluations of the forces. Throws the errors of terms.
   void apply(const double* x, double* y) const;
-  /// The same with all parts of tangents.
+  /// The same with all parts of tangents, or their transpose (set_transposed()).
   void apply_whole(const double* x, double* y) const;
+  /// Whether apply_whole() is A^T x, for terms that have a transpose (TangentTerm).
+  void set_transposed(bool is_transposed) { skew_ = is_transposed ? -1 : 1; }
   /// The same as apply() in single precision, in rows of 4 numbers, the fourth 0, 16-byte aligned;
   /// terms without such a tangent are computed in double.
   void apply(const float* x, float* y) const;
@@ -78,6 +80,7 @@ class TangentMatrix {
   TangentTime at_ = 0;
   std::vector<std::size_t> supports_;  ///< components that are held, too
   double velocity_ = 0;
+  double skew_ = 1;  ///< what the parts that are not symmetric count
   std::vector<LoadTime> loads_;
   std::span<const double> direction_;  ///< n of stiffen()
   double stiffness_ = 0;

@@ -21,7 +21,7 @@ class RunAdjoint:
             reaction = slopes.reaction if numpy.any(slopes.reaction) else None
             return full(slopes.displacement, sim), reaction, float(slopes.energy)
 
-        self.value = 0.0 if then is None else then.value
+        self.value = 0.0
         self._sim, self._then, self._count = sim, then, last
         self._end = None if then is None else then._before(sim)
         self._slopes_at, self._tolerance = slopes_at, tolerance
@@ -42,6 +42,7 @@ class RunAdjoint:
         if sim._kept_steps() != self._count:
             raise RuntimeError("the simulation has left the run of this adjoint; take its adjoint() "
                                "again")
+        self.value = 0.0 if self._then is None else self._then.value
         asked = []
         for model, parameter, *per in entries:
             per = per[0] if per else None

@@ -82,6 +82,7 @@ void Observing::on_progress(const Progress& now) {
 bool Observing::stop_requested() {
   if (live) live->watch();
   if (session_.kept_steps() != nullptr) session_.kept_steps()->keep();
+  if (session_.followed() != nullptr && !failure) call([&] { session_.followed()->follow(); });
   const std::uint64_t step = session_.steps();
   const double time = session_.time();
   if (!failure && callbacks.is_due(step, time))

@@ -46,7 +46,7 @@ EquilibriumSlopes slopes_of(Session& session) {
 /// The slopes by a parameter of a model, by the number of the model.
 ParameterSlopes slopes_of(Session& session, std::size_t model, const std::string& name) {
   Simulation& simulation = session.between_steps();
-  return ParameterSlopes(simulation.built().body(), simulation.time(),
+  return ParameterSlopes(simulation.built().body(), {simulation.time()},
                          *simulation.attributes().instances().at(model), name);
 }
 
@@ -80,6 +80,15 @@ double along_rest(Session& session, const Array& displacement, double energy, co
                         of_vertices(session, motion, "motion")};
   return slopes_of(session).along_rest(objective, adjoint,
                                        of_vertices(session, direction, "direction"));
+}
+
+/// The same by each rest position.
+py::array by_rest(Session& session, const Array& displacement, double energy, const Array& forces,
+                  const Array& motion) {
+  const ObjectiveSlopes objective{of_vertices(session, displacement, "dJ/du"), {}, energy};
+  const Adjoint adjoint{{of_vertices(session, forces, "forces"), energy},
+                        of_vertices(session, motion, "motion")};
+  return rows_of_3(slopes_of(session).by_rest(objective, adjoint));
 }
 
 /// (du/dp, dR/dp) from df/dp.
@@ -127,65 +136,100 @@ KeptSteps& kept_steps(Session& session) {
   throw InputError("no steps are kept; call keep_steps() before the run");
 }
 
-/// The multipliers of all steps, from arrays (steps, vertices, 3) and (steps,).
-std::vector<Multipliers> multipliers_of(const KeptSteps& steps, const Array& forces,
-                                        const Array& energies) {
-  const std::size_t count = steps.count();
-  if (forces.ndim() != 3 || static_cast<std::size_t>(forces.shape(0)) != count ||
-      static_cast<std::size_t>(energies.size()) != count)
-    throw InputError("steps were made or forgotten since this adjoint; take it again");
-  std::vector<Multipliers> multipliers;
-  const auto size = static_cast<std::size_t>(forces.size()) / count;
-  for (std::size_t step = 0; step < count; ++step) {
-    const double* from = forces.data() + step * size;
-    multipliers.push_back({{from, from + size}, energies.data()[step]});
+/// (place of the model, name, weights or None) of each parameter.
+using WantedParameters = std::vector<std::tuple<std::size_t, std::string, std::optional<Array>>>;
+
+std::vector<ParameterDirection> wanted_of(Session& session, const WantedParameters& given) {
+  std::vector<ParameterDirection> wanted;
+  for (const auto& [model, name, weights] : given) {
+    wanted.push_back({session.simulation().attributes().instances().at(model).get(), name});
+    if (weights) wanted.back().weights = weights_of(slopes_of(session, model, name), *weights);
   }
-  return multipliers;
+  return wanted;
 }
 
-/// (forces, energies, by position, by velocity, iterations) of a run. slopes_at(step) gives
-/// (dJ/du, dJ/dW), or None, in the state after a step.
-py::tuple run_adjoint(Session& session, const py::function& slopes_at, double tolerance) {
+py::array rows_of_moments(const std::vector<std::vector<double>>& moments) {
+  if (moments.empty()) return py::array_t<double>(0);
+  py::array_t<double> rows({static_cast<py::ssize_t>(moments.size()),
+                            static_cast<py::ssize_t>(moments[0].size() / 3), py::ssize_t{3}});
+  double* to = rows.mutable_data();
+  for (const std::vector<double>& moment : moments) to = std::ranges::copy(moment, to).out;
+  return rows;
+}
+
+/// The derivatives of a run. slopes_at(moment) gives (dJ/du, dJ/dR or None, dJ/dW), or None, in the
+/// state at a moment; `end`: (position, velocity, states) of a run that goes on from the last one.
+py::dict run_adjoint(Session& session, const py::function& slopes_at, double tolerance,
+                     const WantedParameters& parameters, bool moments,
+                     const std::optional<std::tuple<Array, Array, Array>>& end) {
+  WantedSlopes wanted{wanted_of(session, parameters), moments};
+  if (end)
+    wanted.end = {of_vertices(session, std::get<0>(*end), "dJ/dx"),
+                  of_vertices(session, std::get<1>(*end), "dJ/dv"), vector_of(std::get<2>(*end))};
   const RunAdjoint found = kept_steps(session).adjoint(
-      [&](std::size_t step) {
+      [&](std::size_t moment) {
         ObjectiveSlopes slopes;
-        const py::object given = slopes_at(step);
+        const py::object given = slopes_at(moment);
         if (given.is_none()) return slopes;
-        const auto [displacement, energy] = given.cast<std::pair<Array, double>>();
+        const auto [displacement, reaction, energy] =
+            given.cast<std::tuple<Array, std::optional<Array>, double>>();
         slopes.displacement = of_vertices(session, displacement, "dJ/du");
+        if (reaction) slopes.reaction = of_vertices(session, *reaction, "dJ/dR");
         slopes.energy = energy;
         return slopes;
       },
-      tolerance);
-  const auto count = static_cast<py::ssize_t>(found.steps.size());
-  py::array_t<double> forces(
-      {count, static_cast<py::ssize_t>(found.position.size() / 3), py::ssize_t{3}}),
-      energies(count);
-  double* to = forces.mutable_data();
-  for (py::ssize_t step = 0; step < count; ++step) {
-    const Multipliers& multipliers = found.steps[static_cast<std::size_t>(step)];
-    to = std::ranges::copy(multipliers.force, to).out;
-    energies.mutable_data()[step] = multipliers.energy;
+      tolerance, wanted);
+  py::list slopes;
+  for (const std::vector<double>& of_parameter : found.parameters)
+    slopes.append(
+        py::array_t<double>(static_cast<py::ssize_t>(of_parameter.size()), of_parameter.data()));
+  using namespace py::literals;
+  return py::dict(
+      "parameters"_a = slopes, "load"_a = rows_of_3(found.load),
+      "loads"_a = rows_of_moments(found.loads), "motions"_a = rows_of_moments(found.motions),
+      "initial_position"_a = rows_of_3(found.start.position),
+      "initial_velocity"_a = rows_of_3(found.start.velocity),
+      "initial_states"_a = py::array_t<double>(static_cast<py::ssize_t>(found.start.states.size()),
+                                               found.start.states.data()),
+      "start_position"_a = py::array_t<double>(
+          {static_cast<py::ssize_t>(found.start_position.size() / 4), py::ssize_t{4}},
+          found.start_position.data()),
+      "iterations"_a = found.iterations);
+}
+
+/// Without limits, every state is kept.
+void keep_steps(Session& session, std::optional<std::size_t> states, std::optional<double> memory) {
+  if ((states && *states < 2) || (memory && !(*memory > 0)))
+    throw py::value_error("at least two states must be kept, in memory > 0");
+  StepReplay::Limit limit;
+  if (states) limit.states = *states;
+  if (memory && std::isfinite(*memory)) limit.bytes = static_cast<std::size_t>(*memory);
+  session.keep_steps(limit);
+}
+
+/// (two simulations of scenes that differ in a number, which is larger and smaller by a step; the
+/// step), see ParameterDirection.
+using OtherScenes = std::vector<std::tuple<Session*, Session*, double>>;
+
+/// Follows the derivatives by these, one after the other, from now on.
+void follow(Session& session, const WantedParameters& parameters, const OtherScenes& others,
+            double tolerance) {
+  std::vector<ParameterDirection> wanted = wanted_of(session, parameters);
+  for (const auto& [up, down, step] : others) {
+    ParameterDirection direction;
+    direction.up = &up->between_steps().built().body();
+    direction.down = &down->between_steps().built().body();
+    direction.step = step;
+    wanted.push_back(std::move(direction));
   }
-  return py::make_tuple(forces, energies, rows_of_3(found.position), rows_of_3(found.velocity),
-                        found.iterations);
+  session.follow(std::move(wanted), tolerance);
 }
 
-py::array run_gradient(Session& session, std::size_t model, const std::string& name,
-                       const Array& forces, const Array& energies) {
-  KeptSteps& steps = kept_steps(session);
-  const std::vector<double> values =
-      steps.each(*session.simulation().attributes().instances().at(model), name,
-                 multipliers_of(steps, forces, energies));
-  return py::array_t<double>(static_cast<py::ssize_t>(values.size()), values.data());
-}
-
-double run_gradient_along(Session& session, std::size_t model, const std::string& name,
-                          const Array& forces, const Array& energies, const Array& weights) {
-  KeptSteps& steps = kept_steps(session);
-  return steps.along(*session.simulation().attributes().instances().at(model), name,
-                     weights_of(slopes_of(session, model, name), weights),
-                     multipliers_of(steps, forces, energies));
+/// (du/dp, dR/dp) of a parameter that is followed.
+py::tuple followed(Session& session, std::size_t number) {
+  session.between_steps();
+  const StateSensitivity& found = session.followed()->of(number);
+  return py::make_tuple(rows_of_3(found.state.position), rows_of_3(found.reaction));
 }
 
 /// The vertices of a field of a probe, and "mean" or "sum".
@@ -202,12 +246,14 @@ py::tuple probe_vertices(Session& session, const std::string& probe, const std::
 }  // namespace
 
 void bind_gradients(py::class_<Session>& session) {
+  using namespace py::literals;
   session
       .def("equilibrate", &Session::equilibrate,
            "Find the equilibrium of a static run again, from the current positions and at the same "
            "time: after parameters, loads or cells were changed.")
       .def("_adjoint", &adjoint)
       .def("_along_rest", &along_rest)
+      .def("_by_rest", &by_rest)
       .def("_sensitivity", &sensitivity)
       .def("_stored_energy",
            [](Session& s) { return s.between_steps().built().body().models().energy(s.time()); })
@@ -219,17 +265,23 @@ void bind_gradients(py::class_<Session>& session) {
       .def("_force_slope", &force_slope)
       .def("_gradient", &gradient)
       .def("_gradient_along", &gradient_along)
-      .def("keep_steps", &Session::keep_steps,
-           "Keep the steps of implicit Euler from now on, for the derivatives of the run from "
-           "here: 24 B per vertex and step. Those that were kept before are forgotten.")
+      .def("keep_steps", &keep_steps, "states"_a = py::none(), "memory"_a = py::none(),
+           "Keep the steps from now on, for the derivatives of the run from here. Those that were "
+           "kept before are forgotten. At most so many states are in memory, or so many bytes; "
+           "steps between them are made again when an adjoint is taken. Default: every state, some "
+           "100 B per vertex and step.")
       .def("_kept_steps",
            [](Session& s) {
              return s.kept_steps() != nullptr ? std::optional(s.kept_steps()->count())
                                               : std::nullopt;
            })
+      .def("_is_implicit",
+           [](Session& s) { return s.simulation().built().dynamics().is_implicit(); })
+      .def("_repeated_steps",
+           [](Session& s) { return s.kept_steps() != nullptr ? s.kept_steps()->repeated() : 0; })
       .def("_run_adjoint", &run_adjoint)
-      .def("_run_gradient", &run_gradient)
-      .def("_run_gradient_along", &run_gradient_along)
+      .def("_follow", &follow)
+      .def("_followed", &followed)
       .def("_probe_vertices", &probe_vertices);
 }
 

@@ -364,6 +364,11 @@ void bind_changes(Class& session) {
       .def("copy", &Session::copy,
            "The whole state of the run as a State, for restore(): what a checkpoint contains, in "
            "memory. The simulation must not write output.")
+      .def("save_checkpoint", &Session::save_checkpoint, "file"_a,
+           "Write the state of the run to a file, from which `suture run --resume` and `suture "
+           "live` go on, without this script: its callbacks are not part of it. The simulation "
+           "must not write output. With an automatic dt, frames of the scene add steps that end at "
+           "their times; --set /output=false keeps the steps of the script.")
       .def("restore", &Session::restore, "state"_a,
            "Return to a State of this scene: the run goes on as it did from there, bit by bit, "
            "whatever was cut or changed since. Builds the simulation again, so it costs as much as "

@@ -89,7 +89,7 @@ Session::Session(const SessionOptions& options)
     if (scene_.output.enabled) folder->open();
     run_ = build(std::move(folder));
   }
-  mesh_hash_ = mesh_hash(run_.simulation->built().body());
+  header_ = checkpoint_header(run_.simulation->built(), host_);
   warn_of_new();
 }
 
@@ -340,13 +340,17 @@ void Session::equilibrate() {
   advance([&] { run_.simulation->equilibrate(observer_); });
 }
 
-void Session::keep_steps() {
+void Session::keep_steps(const StepReplay::Limit& limit) {
   Simulation& now = between_steps();
   require_alive();
-  if (const std::string& integrator = scene_.solver.integrator; integrator != "implicit-euler")
-    throw InputError("there is no derivative of this run: its integrator is '" + integrator +
-                     "'; set /solver/integrator to \"implicit-euler\"");
-  run_.kept_steps = std::make_unique<KeptSteps>(now.built().dynamics());
+  run_.kept_steps = std::make_unique<KeptSteps>(now.built().dynamics(), limit);
+}
+
+void Session::follow(std::vector<ParameterDirection> parameters, double tolerance) {
+  Simulation& now = between_steps();
+  require_alive();
+  run_.followed =
+      std::make_unique<FollowedSlopes>(now.built().dynamics(), std::move(parameters), tolerance);
 }
 
 ProbeTable& Session::probes() {
@@ -377,7 +381,7 @@ std::shared_ptr<SessionState> Session::copy() {
   require_no_output("copy()");
   auto state = std::make_shared<SessionState>();
   state->scene_hash = scene_.hash;
-  state->mesh_hash = mesh_hash_;
+  state->mesh_hash = header_.mesh_hash;
   state->terms = term_names();
   state->outcome = outcome_;
   state->time = now.time();
@@ -386,11 +390,26 @@ std::shared_ptr<SessionState> Session::copy() {
   return state;
 }
 
+void Session::save_checkpoint(const std::filesystem::path& file) {
+  Simulation& now = between_steps();
+  require_own_process();
+  require_alive();
+  require_no_output("save_checkpoint()");
+  if (is_given_mesh_)
+    throw InputError(
+        "a checkpoint has no mesh, and the scene that reads it names no file for this one; write "
+        "the mesh to a file and name it in the scene");
+  if (!run_.terms.empty())
+    throw InputError("a checkpoint cannot hold the force function '" +
+                     std::string(run_.terms[0]->name()) + "'; copy() keeps states for this script");
+  suture::save_checkpoint(now, header_, file);
+}
+
 void Session::require_fit(const SessionState& state) const {
   if (state.scene_hash != scene_.hash)
     throw InputError("the state belongs to another scene (" + state.scene_hash + ", this is " +
                      scene_.hash + "); restore it into a simulation of its own scene");
-  if (state.mesh_hash != mesh_hash_)
+  if (state.mesh_hash != header_.mesh_hash)
     throw InputError("the state belongs to another mesh; restore it into a simulation of its own");
   const auto list = [](const std::vector<std::string>& names) {
     std::string text;
@@ -419,7 +438,7 @@ void Session::restore(const SessionState& state) {
     restored = build(std::make_shared<OutputFolder>(scene_.output.directory, scene_.output.root));
   }
   Simulation& simulation = *restored.simulation;
-  if (mesh_hash(simulation.built().body()) != mesh_hash_)
+  if (mesh_hash(simulation.built().body()) != header_.mesh_hash)
     throw InputError("the mesh has changed since the simulation was created; restore the file");
   for (const PythonTerm* term : run_.terms)
     restored.terms.push_back(static_cast<PythonTerm*>(

@@ -11,6 +11,7 @@
 #include "apps/python/read_mesh.hpp"
 #include "apps/python/views.hpp"
 #include "kernel/base/archive.hpp"
+#include "kernel/gradients/followed_slopes.hpp"
 #include "kernel/gradients/kept_steps.hpp"
 #include "kernel/live/live_run.hpp"
 #include "kernel/results/probe_table.hpp"
@@ -86,10 +87,16 @@ class Session {
   /// Simulation::equilibrate().
   void equilibrate();
   /// Keeps the steps from now on, for their derivatives; those before are forgotten.
-  void keep_steps();
+  void keep_steps(const StepReplay::Limit& limit);
   /// None if no steps are kept.
   KeptSteps* kept_steps() { return run_.kept_steps.get(); }
+  /// Follows the derivatives by these parameters from now on.
+  void follow(std::vector<ParameterDirection> parameters, double tolerance);
+  /// None if nothing is followed.
+  FollowedSlopes* followed() { return run_.followed.get(); }
   std::shared_ptr<SessionState> copy();
+  /// Saves a checkpoint from which `suture run --resume` and `suture live` go on.
+  void save_checkpoint(const std::filesystem::path& file);
   /// Builds the run again and loads the state. If that fails, nothing has changed.
   void restore(const SessionState& state);
   // ---- live view: live.cpp ----
@@ -125,6 +132,7 @@ class Session {
     std::unique_ptr<Simulation> simulation;
     std::unique_ptr<ProbeTable> probes;
     std::unique_ptr<KeptSteps> kept_steps;
+    std::unique_ptr<FollowedSlopes> followed;
     std::unique_ptr<Views> views;
     std::vector<PythonTerm*> terms;
   };
@@ -150,7 +158,7 @@ class Session {
   PluginHost host_{&diagnostics_};
   Scene scene_;
   Run run_;
-  std::string mesh_hash_;
+  CheckpointHeader header_;
   Observing observer_{*this};
   std::size_t warned_ = 0;
   std::optional<std::string> outcome_, failure_;

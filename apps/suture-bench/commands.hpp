@@ -51,6 +51,8 @@ void add_rest(CommandLine& line);
 void add_solve(CommandLine& line);
 /// Static equilibria: time, iterations and error.
 void add_static(CommandLine& line);
+/// Static equilibria where the stiffness jumps.
+void add_inclusions(CommandLine& line);
 /// Implicit steps: time and iterations.
 void add_implicit(CommandLine& line);
 /// Equilibria at frame rate, with cuts.

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   suture::bench::add_rest(line);
   suture::bench::add_solve(line);
   suture::bench::add_static(line);
+  suture::bench::add_inclusions(line);
   suture::bench::add_implicit(line);
   suture::bench::add_quasi_static(line);
   suture::bench::add_modes(line);

@@ -178,6 +178,8 @@ SECTIONS = [
      "beside it where it is installed. At the full load (A) the law has no solution to which meshes "
      "converge, so there are only errors beside the same discrete problem (plugins/tm-faure/README.md).",
      plot_static),
+    ("inclusions", "Stiffness that jumps", "Static equilibria of a soft block with stiff balls, beside a "
+     "published geometric multigrid.", None),
     ("implicit", "Implicit steps", "Steps far above the stable one.", None),
     ("quasi-static", "Quasi-static runs at frame rate", "An equilibrium for every frame while the "
      "body is pulled and cut.", plot_quasi_static),

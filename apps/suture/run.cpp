@@ -114,14 +114,20 @@ void print_costs(std::vector<FunctorCost> costs, double seconds, Console& consol
 Scene scene_of(const Checkpoint& checkpoint, const RunCommand& command, PluginHost& host,
                Console& console) {
   const CheckpointHeader& header = checkpoint.header;
-  const std::filesystem::path folder = std::filesystem::absolute(command.resume).parent_path();
-  return read_scene_source({header.scene_text, header.scene_file, header.working_folder, folder},
-                           command.sets, host, console.diagnostics());
+  SceneSource source{header.scene_text, header.scene_file, header.working_folder, {}};
+  if (header.number > 0)
+    source.resumed_folder = std::filesystem::absolute(command.resume).parent_path();
+  else
+    source.working_folder = std::filesystem::current_path();
+  return read_scene_source(source, command.sets, host, console.diagnostics());
 }
 
 /// Reads the scene file, or the scene that the command repeats or resumes.
 Scene scene_of(const RunCommand& command, const std::optional<Recording>& recording,
                PluginHost& host, Console& console) {
+  if (is_checkpoint(command.scene))
+    throw InputError(command.scene.string() + ": is a checkpoint; go on from it with --resume " +
+                     command.scene.string());
   if (!recording) return read_scene(command.scene, command.sets, host, console.diagnostics());
   SceneSource source = recording->source;
   source.working_folder = std::filesystem::current_path();
@@ -162,12 +168,14 @@ void report_threads(unsigned wanted, unsigned used, Console& console) {
 int run(const RunCommand& command, Console& console) {
   catch_signals();
   PluginHost host(&console.diagnostics());
-  std::optional<Checkpoint> checkpoint;
-  if (!command.resume.empty()) checkpoint = read_checkpoint(command.resume);
   std::optional<Recording> recording;
-  if (!checkpoint && is_recording(command.scene)) recording = read_recording(command.scene);
-  const Scene scene = checkpoint ? scene_of(*checkpoint, command, host, console)
-                                 : scene_of(command, recording, host, console);
+  if (command.resume.empty() && is_recording(command.scene))
+    recording = read_recording(command.scene);
+  const std::filesystem::path resumed = recording ? recording->checkpoint : command.resume;
+  std::optional<Checkpoint> checkpoint;
+  if (!resumed.empty()) checkpoint = read_checkpoint(resumed);
+  const Scene scene = checkpoint && !recording ? scene_of(*checkpoint, command, host, console)
+                                               : scene_of(command, recording, host, console);
   // Before anything that takes time: another run may be writing there.
   const auto folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root);
   if (scene.output.enabled) {
@@ -183,7 +191,7 @@ int run(const RunCommand& command, Console& console) {
                         command.check_plugins);
   report_threads(scene.solver.threads, simulation.threads(), console);
   if (checkpoint) {
-    simulation.resume(*checkpoint, command.resume);
+    simulation.resume(*checkpoint, resumed);
     report_resume(checkpoint->header, simulation, console);
     checkpoint.reset();  // its memory
   }

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/archive.hpp"
-#include "kernel/base/bulk.hpp"
 
 namespace suture {
 namespace {
@@ -16,26 +18,37 @@ inline void copy_three(const double* from, double* to) {
   to[0] = x, to[1] = y, to[2] = z;
 }
 
-/// Rows of `columns` (4 doubles each, of which 3 count) side by side. Without cells in parts
-/// that stay in the cache: a copy of all would cost more than the state itself.
+/// Rows of `columns` (4 doubles each, of which 3 count) side by side, in parts that stay in the
+/// cache: a copy of all would cost more than the state itself.
 template <std::size_t n>
 void pack_rows(Archive& archive, const char* name, const std::array<Column*, n>& columns) {
-  const Index rows = columns[0]->size(), part = archive.has_cells() ? rows : 2048;
-  BulkVector<std::array<double, 3 * n>> packed;
-  for (Index first = 0; first < rows; first += part) {
-    const Index count = std::min(part, rows - first);
-    packed.resize(count);
-    for (std::size_t i = 0; i < n && !archive.loads(); ++i) {
+  const Index rows = columns[0]->size(), part = archive.has_cells() ? 1 << 14 : 1 << 11;
+  std::vector<std::array<double, 3 * n>> packed;
+  const auto pack = [&](Index first) {
+    packed.resize(std::min(part, rows - first));
+    for (std::size_t i = 0; i < n; ++i) {
       const double* row = columns[i]->rows() + std::size_t{first} * 4;
-      for (Index k = 0; k < count; ++k, row += 4) copy_three(row, packed[k].data() + 3 * i);
+      for (auto& each : packed) copy_three(std::exchange(row, row + 4), each.data() + 3 * i);
     }
-    archive(name, packed);
-    archive.require(packed.size() == count, "the number of vertices differs");
-    for (std::size_t i = 0; i < n && archive.loads(); ++i) {
+  };
+  const auto unpack = [&](Index first) {
+    archive.require(packed.size() == std::min(part, rows - first),
+                    "the number of vertices differs");
+    for (std::size_t i = 0; i < n; ++i) {
       double* row = columns[i]->rows() + std::size_t{first} * 4;
-      for (Index k = 0; k < count; ++k, row += 4) copy_three(packed[k].data() + 3 * i, row);
+      for (const auto& each : packed) copy_three(each.data() + 3 * i, std::exchange(row, row + 4));
     }
-  }
+  };
+  archive.group(name, [&] {
+    Index count = rows;
+    archive("rows", count);
+    archive.require(count == rows, "the number of vertices differs");
+    for (Index first = 0; first < rows; first += part) {
+      if (!archive.loads()) pack(first);
+      archive(std::to_string(first / part).c_str(), packed);
+      if (archive.loads()) unpack(first);
+    }
+  });
 }
 
 /// "edge (2), memory (2, a state)".

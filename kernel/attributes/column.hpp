@@ -106,6 +106,7 @@ class Column {
   bool has_trial() const { return (spec_.flags & SUTURE_TRIAL) != 0; }
   double* trial_rows() { return trial_.data(); }
   double* trial_block(Index b) { return trial_.data() + block_offset(b); }
+  double trial(Index row, int component) const { return trial_[stored(row, component)]; }
   void accept() { data_.swap(trial_); }  ///< the trial values become the values
   /// The values; with cells, also the number of rows and the trial copy.
   void state(Archive& archive);

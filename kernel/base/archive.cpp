@@ -2,6 +2,7 @@
 #include "kernel/base/archive.hpp"
 
 #include <stdexcept>
+#include <utility>
 
 #include "kernel/base/bulk.hpp"
 #include "kernel/base/error.hpp"
@@ -57,23 +58,51 @@ std::size_t StateTree::bytes() const {
   return sum;
 }
 
-TreeWriter::TreeWriter(StateTree& tree)
-    : Archive(Extent::everything, Direction::save), path_{&tree} {}
+namespace {
+
+/// Memory for an array, with some more for the cells that operations add.
+void provide(StateTree::Array& array, const char* name, StateTree* spare) {
+  if (spare)
+    if (const auto found = spare->arrays.find(name);
+        found != spare->arrays.end() && found->second.capacity >= array.size()) {
+      array.bytes = std::move(found->second.bytes);
+      array.capacity = std::exchange(found->second.capacity, 0);
+      return;
+    }
+  array.capacity = array.size() + array.size() / 16;
+  array.bytes = std::make_unique_for_overwrite<std::byte[]>(array.capacity);
+  prefer_large_pages(array.bytes.get(), array.capacity);
+}
+
+}  // namespace
+
+TreeWriter::TreeWriter(StateTree& tree, StateTree* spare)
+    : Archive(Extent::everything, Direction::save), path_{&tree}, spares_{spare} {}
 
 void TreeWriter::refuse(const std::string& why) const { throw std::logic_error(why); }
 
 void TreeWriter::write(const char* name, const Shape& shape, const void* data) {
   StateTree::Array array{shape.type, shape.columns, shape.rows, nullptr};
-  array.bytes = std::make_unique_for_overwrite<std::byte[]>(array.size());
-  prefer_large_pages(array.bytes.get(), array.size());
+  provide(array, name, spares_.back());
   if (array.size() != 0) std::memcpy(array.bytes.get(), data, array.size());
   if (!path_.back()->arrays.emplace(name, std::move(array)).second)
     throw std::logic_error(std::string("two states have the same name ") + name);
 }
 
 const void* TreeWriter::read(const char*, Shape&) { wrong_way(); }
-void TreeWriter::enter(const char* name) { path_.push_back(&path_.back()->groups[name]); }
-void TreeWriter::leave() { path_.pop_back(); }
+void TreeWriter::enter(const char* name) {
+  path_.push_back(&path_.back()->groups[name]);
+  StateTree* spare = spares_.back();
+  if (spare) {
+    const auto found = spare->groups.find(name);
+    spare = found == spare->groups.end() ? nullptr : &found->second;
+  }
+  spares_.push_back(spare);
+}
+void TreeWriter::leave() {
+  path_.pop_back();
+  spares_.pop_back();
+}
 
 TreeReader::TreeReader(const StateTree& tree)
     : Archive(Extent::everything, Direction::load), path_{&tree} {}

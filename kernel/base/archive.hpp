@@ -252,6 +252,7 @@ class StateTree {
     Archive::Scalar type;
     std::size_t columns = 1, rows = 0;
     std::unique_ptr<std::byte[]> bytes;
+    std::size_t capacity = 0;  ///< bytes, for save_state(); arrays made elsewhere have none
     std::size_t size() const;  ///< bytes
   };
   std::map<std::string, Array, std::less<>> arrays;
@@ -260,9 +261,10 @@ class StateTree {
   std::size_t bytes() const;  ///< of all arrays
 };
 
-/// Saves the complete state of `holder`.
+/// Saves the complete state of `holder`. `spare`: a state that is no longer needed, whose memory is
+/// used again; 100 MB of fresh memory take longer than all that is copied there.
 template <class Holder>
-void save_state(StateTree& tree, Holder& holder);
+void save_state(StateTree& tree, Holder& holder, StateTree* spare = nullptr);
 /// Restores it. Throws InputError with the path of an item that is missing or has a different type.
 template <class Holder>
 void load_state(const StateTree& tree, Holder& holder);
@@ -270,7 +272,7 @@ void load_state(const StateTree& tree, Holder& holder);
 /// The archives that write and read a tree.
 class TreeWriter : public Archive {
  public:
-  explicit TreeWriter(StateTree& tree);
+  explicit TreeWriter(StateTree& tree, StateTree* spare = nullptr);
   [[noreturn]] void refuse(const std::string& why) const override;
 
  private:
@@ -278,7 +280,7 @@ class TreeWriter : public Archive {
   const void* read(const char* name, Shape& shape) override;
   void enter(const char* name) override;
   void leave() override;
-  std::vector<StateTree*> path_;
+  std::vector<StateTree*> path_, spares_;  ///< spares may be null
 };
 
 class TreeReader : public Archive {
@@ -316,6 +318,7 @@ class StateBuffer {
     holder.state(reader);
   }
   bool empty() const { return bytes_.empty(); }
+  std::size_t size() const { return bytes_.size(); }  ///< B
   /// For buffers that are part of a saved state.
   void state(Archive& archive) { archive("bytes", bytes_); }
 
@@ -353,8 +356,8 @@ class StateBuffer {
 };
 
 template <class Holder>
-void save_state(StateTree& tree, Holder& holder) {
-  TreeWriter writer(tree);
+void save_state(StateTree& tree, Holder& holder, StateTree* spare) {
+  TreeWriter writer(tree, spare);
   holder.state(writer);
 }
 

@@ -319,7 +319,7 @@ double Dynamics::touched_inertia() const {
 void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
   motion_.thaw();
   motion_.forget_forces();
-  integrator_->forget_cells();
+  integrator_->follow(change);
   kick_changed(change);
   follow_touched(change);
   motion_.sums().shift_inertia(touched_inertia() - inertia_);

@@ -43,6 +43,10 @@ class Dynamics : private Follower {
   std::string describe_solver(double dt) { return integrator_->describe_solver(dt); }
   /// The solver of an implicit scheme, or nullptr.
   Newton* newton() { return integrator_->newton(); }
+  /// What a step of length dt from the current state does, without making it: the equations of an
+  /// implicit scheme, valid until the next call, or null; the kick of an explicit one.
+  const StepEquations* equations(double dt) { return integrator_->equations(dt); }
+  ExplicitStep explicit_step(double dt) const { return integrator_->explicit_step(dt); }
 
   /// Moves constrained vertices to their positions at `time` and starts the ledger. Call it again
   /// after positions, velocities or masses were changed from outside. Throws InputError if a vertex

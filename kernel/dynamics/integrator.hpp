@@ -10,6 +10,14 @@
 namespace suture {
 
 class Newton;
+struct StepEquations;
+
+/// What an explicit step makes of the state at its start:
+///   v' = decay v + gain (f / m + g) where components are free,   x' = x + dt v'
+struct ExplicitStep {
+  Kick kick;
+  double forces_dt = 0;  ///< the dt with which the forces are evaluated, s
+};
 
 /// A time integration scheme. Each has its own file; integrators.cpp lists them.
 ///
@@ -31,6 +39,10 @@ class Integrator {
   /// True if steps solve equations: they need no stable step, and their solver is newton().
   virtual bool is_implicit() const { return false; }
   virtual Newton* newton() { return nullptr; }
+  /// The equations of a step of length dt from the current state, valid until the next call; null
+  /// for explicit schemes, whose steps explicit_step() describes.
+  virtual const StepEquations* equations(double /*dt*/) { return nullptr; }
+  virtual ExplicitStep explicit_step(double /*dt*/) const { return {}; }
   /// The linear solver of a step of length dt, and why; for implicit schemes.
   virtual std::string describe_solver(double /*dt*/) { return {}; }
   /// True if nothing has a velocity: steps are equilibria.
@@ -46,8 +58,10 @@ class Integrator {
   virtual void synchronise() {}
   /// True if synchronise() has work to do.
   virtual bool waits() const { return false; }
-  /// The cells have changed.
+  /// What is known of the cells is no longer true.
   virtual void forget_cells() {}
+  /// An operation has changed the cells.
+  virtual void follow(const TopologyChange&) { forget_cells(); }
   /// State in addition to that of the motion.
   virtual void state(Archive&) {}
 

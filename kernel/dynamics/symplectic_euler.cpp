@@ -18,9 +18,13 @@ class SymplecticEuler final : public Integrator {
   }
 
   void accept(double end) override {
+    const Kick kick = explicit_step(dt_).kick;
+    motion_.kick_and_drift({&kick, 1}, dt_, end, motion_.last_step());
+  }
+
+  ExplicitStep explicit_step(double dt) const override {
     const double last = motion_.last_step();
-    const Kick kick(motion_.damping(), last != 0 ? (last + dt_) / 2 : dt_);
-    motion_.kick_and_drift({&kick, 1}, dt_, end, last);
+    return {{motion_.damping(), last != 0 ? (last + dt) / 2 : dt}, dt};
   }
 
   void reject() override { motion_.discard_forces(); }

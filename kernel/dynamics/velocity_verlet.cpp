@@ -16,7 +16,7 @@ class VelocityVerlet final : public Integrator {
   /// must not be computed again when the velocities have had their half kick.
   void begin(double dt) override {
     dt_ = dt;
-    motion_.evaluate(motion_.last_step() != 0 ? motion_.last_step() : dt);
+    motion_.evaluate(explicit_step(dt).forces_dt);
   }
 
   void accept(double end) override {
@@ -28,6 +28,14 @@ class VelocityVerlet final : public Integrator {
       motion_.kick_and_drift({&half, 1}, dt_, end, 0);
     pending_ = half;
     is_pending_ = true;
+  }
+
+  ExplicitStep explicit_step(double dt) const override {
+    const Kick half(motion_.damping(), dt / 2);
+    Kick whole;
+    whole.decay = pending_.decay * half.decay;
+    whole.gain = half.decay * pending_.gain + half.gain;
+    return {is_pending_ ? whole : half, motion_.last_step() != 0 ? motion_.last_step() : dt};
   }
 
   void reject() override { motion_.discard_forces(); }

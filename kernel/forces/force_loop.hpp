@@ -79,9 +79,9 @@ class ForceLoop final : public ForceTerm,
   double energy_around(std::span<const Index> elements, double time);
   /// out[row] += direction . f + energy W for each cell of the instance with this dimension: its
   /// forces f and its stored energy W, which counts as 0 where the model is active.
-  /// `direction`: 3 numbers per vertex. An evaluation of the forces.
+  /// `direction`: 3 numbers per vertex. An evaluation of the forces, which sets trial states.
   void add_cell_work(const Instance& instance, int dimension, const double* direction,
-                     double energy, double time, std::span<double> out);
+                     double energy, const TangentTime& at, std::span<double> out);
   /// Elements with one of these vertices, ascending: those that an operation on the vertices
   /// can touch. O(elements around them).
   std::vector<Index> elements_around(std::span<const Index> vertices);

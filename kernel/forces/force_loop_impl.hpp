@@ -197,7 +197,7 @@ struct ForceLoop::Impl {
   void sleep(Instance& instance, std::array<LiveMask, 4>& awake, std::span<const Index> elements);
 
   double energy_of(Index number, double time);
-  void add_cell_work(Index number, const double* direction, double energy, double time,
+  void add_cell_work(Index number, const double* direction, double energy, const TangentTime& at,
                      std::span<double> out);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
   template <class Real>

@@ -16,9 +16,9 @@ double work_on(const double* force, const Index* nodes, Index count, Index lane,
 }  // namespace
 
 void ForceLoop::Impl::add_cell_work(Index number, const double* direction, double energy,
-                                    double time, std::span<double> out) {
+                                    const TangentTime& at, std::span<double> out) {
   const auto* stored = energy != 0 ? stored_energy(functors[number]) : nullptr;
-  run(number, "force", time,
+  run(number, "force", functors[number].cells().live(), at.time, at.dt, attributes.force().rows(),
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index) {
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
@@ -37,13 +37,13 @@ void ForceLoop::Impl::add_cell_work(Index number, const double* direction, doubl
 }
 
 void ForceLoop::add_cell_work(const Instance& instance, int dimension, const double* direction,
-                              double energy, double time, std::span<double> out) {
+                              double energy, const TangentTime& at, std::span<double> out) {
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     const CompiledFunctor& functor = impl_->functors[i];
     if (&functor.instance() == &instance && !functor.skipped() && functor.dimension() == dimension)
-      impl_->add_cell_work(i, direction, energy, time, out);
+      impl_->add_cell_work(i, direction, energy, at, out);
   }
-  impl_->raise_failures(time);
+  impl_->raise_failures(at.time);
 }
 
 }  // namespace suture

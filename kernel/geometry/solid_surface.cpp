@@ -15,8 +15,9 @@ namespace {
 constexpr double on_surface = 1e-10;
 // A part of the radius: distances of cells are stored in single precision.
 constexpr double rounding_of_cells = 1e-6;
-// A ball that is larger than the one that fits by less than this part of it fits, too.
-constexpr double rounding_of_balls = 1e-6;
+// A ball fits if nothing but the surface that it touches is nearer to its middle than this part of
+// its radius. The rest is room for the grid, which answers for most balls.
+constexpr double free_of_ball = 0.9;
 // Cells of the grid: the number that is sought for each triangle, the least and the largest, and
 // the largest along an axis.
 constexpr double cells_per_triangle = 8, least_cells = 8192, most_cells = 65536, most_along = 256;
@@ -62,19 +63,23 @@ void SolidSurface::make_grid() {
   }
 }
 
-/// Halves the diameter of a ball until it fits inside at the centroid of every triangle.
+/// Halves the diameter of a ball until it fits inside at the centroid of every triangle. Between
+/// two parallel sides, a ball that just fits has a diameter of 2 / (1 + free_of_ball) times their
+/// distance.
 void SolidSurface::find_thickness() {
-  thickness_ = 2 * radius_;
+  double radius = radius_;
   for (const Index i : oriented_->tree().order()) {
     const Triangle& t = surface().triangles[i];
-    const Vec3 corners =
-        plus(surface().points[t[0]], plus(surface().points[t[1]], surface().points[t[2]]));
-    const auto fits = [&](double radius) {
-      const Vec3 middle = minus(scaled(1. / 3, corners), scaled(radius, oriented_->face_normal(i)));
-      return !oriented_->tree().is_within(middle, radius * (1 - rounding_of_balls));
+    const Vec3 centroid = scaled(
+        1. / 3, plus(surface().points[t[0]], plus(surface().points[t[1]], surface().points[t[2]])));
+    const auto fits = [&] {
+      const Vec3 middle = minus(centroid, scaled(radius, oriented_->face_normal(i)));
+      return greatest_distance(middle) < -free_of_ball * radius ||
+             !oriented_->tree().is_within(middle, free_of_ball * radius);
     };
-    while (thickness_ > rounding_of_cells * radius_ && !fits(thickness_ / 2)) thickness_ /= 2;
+    while (radius > rounding_of_cells * radius_ && !fits()) radius /= 2;
   }
+  thickness_ = (1 + free_of_ball) * radius;
 }
 
 std::array<double, 3> SolidSurface::extents() const {
@@ -122,6 +127,12 @@ double SolidSurface::least_distance(const Vec3& place) const {
     outside[c] = std::max({box_.low[c] - place[c], place[c] - box_.high[c], 0.0});
   const double by_box = norm(outside);
   return (by_box > 0 ? std::max(by_box, by_cell) : by_cell) - rounding_of_cells * radius_;
+}
+
+/// An upper bound of the distance of a place; inside, its opposite is a lower bound of the depth.
+double SolidSurface::greatest_distance(const Vec3& place) const {
+  const std::size_t cell = cell_at(place);
+  return cells_[cell].distance + norm(minus(place, centre(cell))) + rounding_of_cells * radius_;
 }
 
 std::vector<Vec3> SolidSurface::points_inside() const {

@@ -35,7 +35,8 @@ class SolidSurface {
   /// The surface, with the middle of its box at the origin.
   const TriangleSurface& surface() const;
   double radius() const { return radius_; }  ///< of the ball around the origin that contains it, m
-  /// Twice the radius of a ball that fits inside at the centroid of every triangle, m.
+  /// The diameter of a ball that fits inside at the centroid of every triangle, m: at least 0.47
+  /// of the largest one's, and at most the distance of parallel sides.
   double thickness() const { return thickness_; }
   /// Returns the lengths of the box around it along the principal axes of its points, m.
   std::array<double, 3> extents() const;
@@ -54,6 +55,7 @@ class SolidSurface {
   std::size_t cell_at(const Vec3& place) const;
   Vec3 centre(std::size_t cell) const;
   double least_distance(const Vec3& place) const;
+  double greatest_distance(const Vec3& place) const;
 
   std::unique_ptr<OrientedSurface> oriented_;
   Box box_ = no_box;

@@ -38,7 +38,9 @@ void require_terms(Body& body, double time) {
           "or keep the pieces apart");
   });
   if (body.models().keeps_states())
-    refuse("a model has a memory, on which its forces depend; choose models without one");
+    refuse(
+        "a model has a memory, on which its forces depend; call keep_steps() before the run, whose "
+        "derivatives contain it");
   if (!body.is_conservative(time))
     refuse(
         "its tangent is not symmetric, as under a pressure up to a free edge or with a model "
@@ -51,8 +53,8 @@ EquilibriumSlopes::EquilibriumSlopes(Dynamics& dynamics)
     : dynamics_(dynamics), body_(dynamics.body()), time_(dynamics.time()) {
   if (!dynamics.is_static())
     refuse(
-        "it is a state of motion; set /solver/static for derivatives of equilibria, or call "
-        "keep_steps() for those of a run");
+        "it is a state of motion; set /solver/static for derivatives of equilibria, or take the "
+        "adjoint() of a run since keep_steps()");
   require_terms(body_, time_);
   Newton& newton = *dynamics.newton();
   if (newton.holds_free_pieces())
@@ -153,16 +155,33 @@ Sensitivity EquilibriumSlopes::sensitivity(const std::vector<double>& forces,
   return sensitivity;
 }
 
-double EquilibriumSlopes::along_rest(const ObjectiveSlopes& objective, const Adjoint& adjoint,
-                                     std::span<const double> direction) const {
+void EquilibriumSlopes::require_rest() const {
   if (!body_.constraints().follow_rest(time_))
     throw InputError(
         "there is no derivative by rest positions: a constraint turns what it holds, or holds it "
         "where it was grasped");
+}
+
+double EquilibriumSlopes::along_rest(const ObjectiveSlopes& objective, const Adjoint& adjoint,
+                                     std::span<const double> direction) const {
+  require_rest();
   const RestSlope slope = rest_slope(body_, time_, direction);
   // u = x - X, and where a vertex is held, x = X + translation
   return dot(adjoint.multipliers.force, slope.forces) + objective.energy * slope.energy +
          dot(adjoint.motion, direction) - dot(objective.displacement, direction);
+}
+
+std::vector<double> EquilibriumSlopes::by_rest(const ObjectiveSlopes& objective,
+                                               const Adjoint& adjoint) const {
+  require_rest();
+  if (objective.energy != 0)
+    throw InputError(
+        "there is no derivative of the energy by the rest position of each vertex; take it along "
+        "a direction (along_rest)");
+  std::vector<double> slopes = rest_slopes(body_, time_, adjoint.multipliers.force);
+  for (std::size_t i = 0; i < slopes.size(); ++i)
+    slopes[i] += adjoint.motion[i] - objective.displacement[i];
+  return slopes;
 }
 
 }  // namespace suture

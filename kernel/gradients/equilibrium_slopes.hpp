@@ -59,6 +59,9 @@ class EquilibriumSlopes {
   /// if constraints turn what they hold, or hold it where it was grasped.
   double along_rest(const ObjectiveSlopes& objective, const Adjoint& adjoint,
                     std::span<const double> direction) const;
+  /// The same by each rest position, 3 numbers per vertex: rest_slopes(), whose cost and errors it
+  /// has. Throws InputError if the objective depends on the energy.
+  std::vector<double> by_rest(const ObjectiveSlopes& objective, const Adjoint& adjoint) const;
   /// From df/dp, in the same way as adjoint().
   Sensitivity sensitivity(const std::vector<double>& forces, double tolerance) const;
 
@@ -72,6 +75,7 @@ class EquilibriumSlopes {
                  double tolerance) const;
   unsigned add_solution(const std::vector<double>& right, double tolerance,
                         std::vector<double>& x) const;
+  void require_rest() const;
   template <class Visit>
   void for_each_held(Visit visit) const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <utility>
@@ -8,13 +9,17 @@
 
 #include "kernel/attributes/varied_parameter.hpp"
 #include "kernel/dynamics/body.hpp"
+#include "kernel/gradients/model_states.hpp"
+#include "kernel/gradients/total_forces.hpp"
 
 namespace suture {
 
-/// What multiplies forces and the stored energy in a scalar L = force . f + energy W.
+/// What multiplies forces, the stored energy and the states z' of models after a step in a scalar
+///   L = force . f + energy W + states . z'
 struct Multipliers {
   std::vector<double> force;  ///< 3 numbers per vertex
   double energy = 0;
+  std::vector<double> states{};  ///< as ModelStates numbers them; empty: none
 };
 
 /// Derivatives of the forces on a body by a parameter p of a model, at fixed positions: by central
@@ -29,12 +34,8 @@ class ParameterSlopes {
   static constexpr double best_step = 1e-5;
   /// `relative_step`: h over the size of a value; less beside the ends of its range. Throws
   /// InputError if the model has no such parameter, if it is not a number, or if it lies at an end.
-  ParameterSlopes(Body& body, double time, Instance& instance, std::string parameter,
+  ParameterSlopes(Body& body, Moment moment, Instance& instance, std::string parameter,
                   double relative_step = best_step);
-
-  /// What masses resist, too: an acceleration, m/s^2, 3 numbers per vertex. The forces are then
-  /// f - m a.
-  void set_inertia(std::vector<double> acceleration) { inertia_ = std::move(acceleration); }
 
   /// The number of values: one per row of instance.table(3) of a parameter that may differ from
   /// element to element, otherwise one.
@@ -48,27 +49,31 @@ class ParameterSlopes {
   /// dL/dp for each value, 0 in dead rows. Throws InputError if forces on cells of one element
   /// depend on the parameters of others in a way that this does not cover.
   std::vector<double> each(const Multipliers& multipliers);
+  /// The derivative of what `value` returns, numbers in a row, in that direction; it is called with
+  /// the part of the direction by which the parameter has changed.
+  std::vector<double> of(std::span<const double> weights,
+                         const std::function<std::vector<double>(double part)>& value);
 
  private:
   struct Work;
-  /// value() with the parameter changed by these numbers, and by their opposites.
+  /// value(sign) with the parameter changed by these numbers, and by their opposites.
   template <class Value>
   auto both_sides(std::span<const double> changes, Value value) const;
   /// L by cells, where the values of some rows are changed by their steps.
   struct Sides;
   Sides change(std::span<const Index> rows, const Multipliers& multipliers) const;
   Work work(const Multipliers& multipliers) const;
-  std::vector<double> balance() const;
   void add(const Sides& sides, std::span<const Index> rows, std::vector<double>& slopes) const;
+  double noise(const Multipliers& multipliers) const;
   void require_sum(const Multipliers& multipliers, std::span<const double> slopes);
   double step_along(std::span<const double> weights) const;
 
   Body& body_;
-  double time_;
+  ModelStates states_;
+  Moment moment_;
   Instance& instance_;
   std::string name_;
   std::vector<double> values_, steps_;
-  std::vector<double> inertia_;  ///< empty: none
   bool is_per_element_;
 };
 

@@ -7,14 +7,23 @@ namespace suture {
 namespace {
 
 /// `skew`: what the part that is not symmetric counts.
-std::vector<double> product(Body& body, double time, const std::vector<double>& d, double skew) {
+std::vector<double> product(Body& body, const TangentTime& at, const std::vector<double>& d,
+                            double skew) {
   std::vector<double> out(d.size());
   for_each_with<TangentTerm>(body.terms(), [&](TangentTerm& term) {
     if (!term.is_stiff()) return;
-    term.add_tangent(d.data(), 1, 0, time, out.data());
-    term.add_skew_tangent(d.data(), skew, time, out.data());
+    term.add_tangent(d.data(), 1, 0, at, out.data());
+    term.add_skew_tangent(d.data(), skew, at, out.data());
   });
   return out;
+}
+
+/// Forces in rows of 4 with those of all terms but the models, gravity included.
+std::vector<double> with_loads(Body& body, double time, AlignedVector<double>& rows) {
+  Attributes& attributes = body.attributes();
+  for (const auto& term : body.loads())
+    term->add_forces(time, attributes.kernel(0).cells.live(), rows.data());
+  return with_weight(rows.data(), attributes, body.acceleration(time));
 }
 
 }  // namespace
@@ -27,12 +36,23 @@ std::vector<double> with_weight(const double* rows, Attributes& attributes, cons
   return forces;
 }
 
-std::vector<double> total_forces(Body& body, double time) {
-  Attributes& attributes = body.attributes();
-  AlignedVector<double> rows(std::size_t{attributes.vertex_count()} * 4);
-  for (const auto& term : body.terms())
-    term->add_forces(time, attributes.kernel(0).cells.live(), rows.data());
-  return with_weight(rows.data(), attributes, body.acceleration(time));
+std::vector<double> total_forces(Body& body, const TangentTime& at) {
+  AlignedVector<double> rows(std::size_t{body.attributes().vertex_count()} * 4);
+  body.models().add_forces(at.time, at.dt, ForceLoop::Part::all, rows.data());
+  return with_loads(body, at.time, rows);
+}
+
+std::vector<double> load_forces(Body& body, double time) {
+  AlignedVector<double> rows(std::size_t{body.attributes().vertex_count()} * 4);
+  return with_loads(body, time, rows);
+}
+
+std::vector<double> balanced_forces(Body& body, const Moment& moment) {
+  std::vector<double> forces = total_forces(body, moment.at);
+  const Column& mass = body.attributes().mass();
+  for (std::size_t i = 0; i < moment.inertia.size(); ++i)
+    forces[i] -= mass.get(static_cast<Index>(i / 3), 0) * moment.inertia[i];
+  return forces;
 }
 
 std::vector<double> elastic_forces(Body& body, double time) {
@@ -44,12 +64,20 @@ std::vector<double> elastic_forces(Body& body, double time) {
   return forces;
 }
 
-std::vector<double> transposed_tangent(Body& body, double time, const std::vector<double>& d) {
-  return product(body, time, d, -1);
+std::vector<double> transposed_tangent(Body& body, const TangentTime& at,
+                                       const std::vector<double>& d) {
+  return product(body, at, d, -1);
 }
 
-std::vector<double> tangent(Body& body, double time, const std::vector<double>& d) {
-  return product(body, time, d, 1);
+std::vector<double> tangent(Body& body, const TangentTime& at, const std::vector<double>& d) {
+  return product(body, at, d, 1);
+}
+
+std::vector<double> damping_tangent(Body& body, const TangentTime& at,
+                                    const std::vector<double>& d) {
+  std::vector<double> out(d.size());
+  if (body.models().reads_velocity()) body.add_tangent(d.data(), 0, 1, at, out.data());
+  return out;
 }
 
 }  // namespace suture

@@ -9,6 +9,11 @@ namespace suture {
 ImplicitIntegrator::ImplicitIntegrator(Motion& motion, const IntegratorOptions& options)
     : Integrator(motion), newton_(motion, options.tolerance, options.holds_free_pieces) {}
 
+const StepEquations* ImplicitIntegrator::equations(double dt) {
+  set_equations(dt);
+  return &equations_;
+}
+
 std::string ImplicitIntegrator::describe_solver(double dt) {
   set_equations(dt);
   return newton_.describe_solver(equations_);

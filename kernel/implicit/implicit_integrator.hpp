@@ -15,16 +15,20 @@ class ImplicitIntegrator : public Integrator {
 
   /// Throws StepRejected or NumericalError if the equations have no solution within reach.
   void begin(double dt) final;
-  void accept(double end) final;
+  void accept(double end) override;
   void reject() final;
   bool is_implicit() const final { return true; }
   bool is_other_step(double) const final { return false; }
   Newton* newton() final { return &newton_; }
+  const StepEquations* equations(double dt) final;
   std::string describe_solver(double dt) final;
   void forget_cells() final { newton_.forget(); }
   void state(Archive& archive) override { newton_.state(archive); }
 
  protected:
+  double dt() const { return equations_.dt; }  ///< of the step, s
+  /// Positions at the start of the step, 4 numbers per vertex.
+  const std::vector<double>& start() const { return work_.position(); }
   /// Sets the rates, x* and v* of a step of length dt; x* and v* are the current x and v before.
   virtual void set(StepEquations& equations) = 0;
   /// Solves them. Throws StepRejected where a smaller step may help, NumericalError where not.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "kernel/base/message_text.hpp"
 #include "kernel/dynamics/distortion.hpp"
@@ -22,9 +23,12 @@ void LoadPath::begin(const StepEquations& end) {
 
 void LoadPath::hold_back() { unbalanced_ = newton_.residual(equations_at(0)); }
 
+bool LoadPath::drop_prediction() { return std::exchange(end_.is_predicted, false); }
+
 StepEquations LoadPath::equations_at(double part) const {
   StepEquations equations = end_;
   if (part == 1) return equations;
+  equations.is_predicted = false;
   const double start = motion_.time();
   equations.time = start + std::clamp(part, 0.0, 1.0) * (end_.time - start);
   equations.loads = {{end_.time, part}};

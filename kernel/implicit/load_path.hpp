@@ -41,6 +41,8 @@ class LoadPath {
   /// Moves the vertices to the equilibrium at a part of the change that Newton's method finds from
   /// their current positions, or back to the last one: false. Passes on StepRejected.
   bool try_at(double part);
+  /// From now on, Newton's method starts from the current positions. False if it has done so.
+  bool drop_prediction();
   /// The current positions are an equilibrium. Throws NumericalError if elements are inside out.
   void accept();
   /// Back to the last equilibrium, and to the multipliers at the start of the step; remembers why.

@@ -19,7 +19,7 @@ void LoadSteps::solve(const StepEquations& equations) {
     if (const auto& note = path_.newton().on_note)
       note("a rotation by more than 45 degrees is followed in parts");
     walk();
-  } else if (!path_.try_at(1)) {
+  } else if (!path_.try_at(1) && !(path_.drop_prediction() && path_.try_at(1))) {
     report(1, 0, 0.5);
     walk();
   }

@@ -20,6 +20,8 @@ class Newmark final : public ImplicitIntegrator {
     const double h = equations.dt;
     equations.rate = 2 / h;
     equations.acceleration = 4 / (h * h);
+    equations.start_position = h * h / 4;
+    equations.start_velocity = h / 2;
     Attributes& attributes = motion_.body().attributes();
     const Residual now(motion_);
     for (Index vertex = 0; vertex < attributes.vertex_count(); ++vertex) {
@@ -27,8 +29,8 @@ class Newmark final : public ImplicitIntegrator {
       const Vec3 a = now.acceleration(vertex);
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t i = std::size_t{vertex} * 4 + c;
-        equations.position[i] += h * equations.velocity[i] + h * h * a[c] / 4;
-        equations.velocity[i] += h * a[c] / 2;
+        equations.position[i] += h * equations.velocity[i] + equations.start_position * a[c];
+        equations.velocity[i] += equations.start_velocity * a[c];
       }
     }
   }

@@ -22,8 +22,13 @@ constexpr unsigned max_newton_iterations = 50, max_trials = 12;
 // From a solution on coarse levels: one that takes longer was of little use.
 constexpr unsigned max_nested_iterations = 25;
 constexpr unsigned max_updates = 50;  // of constraints
+// A part of the forces: what a predicted equilibrium may leave of them, where motions are
+// prescribed.
+constexpr double good_prediction = 0.3;
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
+// What is left for the tolerance, if one iteration may do.
+constexpr double within_reach = 0.01;
 
 }  // namespace
 
@@ -205,16 +210,25 @@ const std::vector<double>& Newton::residual(const StepEquations& equations) {
   return residual_;
 }
 
-/// Starts where nothing is accelerated, x*, if the residual is smaller there.
+/// Starts at x* if the energy is lower there, by the work of the residual on the way d:
+///   E(x*) - E(x) = -(r(x) + r(x*)) . d / 2
+/// The residual itself would count stiff motions too much. Where x* is an equilibrium, what is
+/// prescribed has arrived; if it moves, there is no such energy, and the residual has to be small.
 void Newton::start_from_prediction(const StepEquations& equations) {
-  if (equations.acceleration == 0) return;
+  if (!equations.is_predicted) return;
   double* x = motion_.body().attributes().position().rows();
-  const std::vector<double> before(x, x + equations.position.size());
-  const double residual = norm(residual_);
+  const std::vector<double> before(x, x + equations.position.size()), residual = residual_;
+  set_remaining(equations.time);
+  const bool arrives = equations.acceleration == 0;
+  if (arrives) motion_.body().constraints().apply(motion_.body().attributes(), equations.time);
   for (std::size_t i = 0; i < solver_.matrix().size(); ++i)
     if (solver_.matrix().free()[i]) x[i / 3 * 4 + i % 3] = equations.position[i / 3 * 4 + i % 3];
   try {
-    if (evaluate(equations) < residual) return;
+    const double left = evaluate(equations);
+    double work = 0;
+    for (std::size_t i = 0; i < residual.size(); ++i)
+      work += (residual[i] + residual_[i]) * (x[i / 3 * 4 + i % 3] - before[i / 3 * 4 + i % 3]);
+    if (arrives && is_moving_ ? left < good_prediction * scale_ : work > 0) return;
   } catch (const NumericalError&) {
     // The forces do not exist there.
   }
@@ -336,10 +350,11 @@ bool Newton::is_at_rounding(const StepEquations& equations, double residual) {
 
 /// The tolerance of a linear solve: smaller, the better the last iteration was.
 double Newton::forcing(const Progress& progress) const {
-  if (progress.iterations == 0) return first_forcing;
-  const double gain = progress.residual / progress.last, target = tolerance_ * scale_;
-  return std::clamp(std::max(0.9 * gain * gain, 0.3 * target / progress.residual), least_forcing,
-                    first_forcing);
+  const double enough = 0.3 * tolerance_ * scale_ / progress.residual;
+  if (progress.iterations == 0)
+    return enough < within_reach ? first_forcing : std::min(enough, first_forcing);
+  const double gain = progress.residual / progress.last;
+  return std::clamp(std::max(0.9 * gain * gain, enough), least_forcing, first_forcing);
 }
 
 Newton::TangentCheck Newton::check_tangent(double time) {

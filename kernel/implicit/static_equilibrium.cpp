@@ -11,7 +11,8 @@ namespace suture {
 namespace {
 
 /// Equilibria, one after the other: f(x, time) + m g = 0 at the end of each step. Time is only the
-/// parameter of ramps, motions and events; nothing has a velocity.
+/// parameter of ramps, motions and events; nothing has a velocity. Where loads and motions go on as
+/// before, the next equilibrium is near  x + dt (x - x_before) / dt_before.
 class StaticEquilibrium final : public ImplicitIntegrator {
  public:
   StaticEquilibrium(Motion& motion, const IntegratorOptions& options)
@@ -20,8 +21,43 @@ class StaticEquilibrium final : public ImplicitIntegrator {
   }
   bool is_static() const override { return true; }
 
+  void accept(double end) override {
+    ImplicitIntegrator::accept(end);
+    if (dt() == 0) return;  // the equilibrium after an event
+    const double* x = motion_.body().attributes().position().rows();
+    change_.resize(start().size());
+    for (std::size_t i = 0; i < change_.size(); ++i) change_[i] = (x[i] - start()[i]) / dt();
+  }
+
+  /// Copies of vertices go on like these.
+  void follow(const TopologyChange& change) override {
+    ImplicitIntegrator::follow(change);
+    if (change_.empty()) return;
+    change_.resize(std::size_t{motion_.body().attributes().vertex_count()} * 4);
+    for (const Split& split : change.splits[0])
+      std::copy_n(change_.begin() + std::ptrdiff_t{split.old_cell} * 4, 4,
+                  change_.begin() + std::ptrdiff_t{split.new_cell} * 4);
+  }
+
+  void state(Archive& archive) override {
+    ImplicitIntegrator::state(archive);
+    archive("change", change_);
+    if (!archive.loads()) return;
+    const std::size_t size = std::size_t{motion_.body().attributes().vertex_count()} * 4;
+    archive.require(change_.empty() || change_.size() == size,
+                    "the change of the positions belongs to a different body");
+  }
+
  private:
-  void set(StepEquations& equations) override { std::ranges::fill(equations.velocity, 0.0); }
+  /// Contact is not predicted.
+  void set(StepEquations& equations) override {
+    std::ranges::fill(equations.velocity, 0.0);
+    equations.is_predicted =
+        !change_.empty() && equations.dt > 0 && motion_.body().contact() == nullptr;
+    if (!equations.is_predicted) return;
+    for (std::size_t i = 0; i < change_.size(); ++i)
+      equations.position[i] += equations.dt * change_[i];
+  }
   void solve(const StepEquations& equations) override {
     if (arc_length_)
       arc_length_->solve(equations);
@@ -29,6 +65,7 @@ class StaticEquilibrium final : public ImplicitIntegrator {
       LoadSteps(path_).solve(equations);
   }
 
+  std::vector<double> change_;  ///< of the positions with the time, rows of 4, m/s; empty: unknown
   LoadPath path_;
   std::optional<ArcLength> arc_length_;
 };

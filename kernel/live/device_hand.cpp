@@ -8,6 +8,7 @@
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/rows.hpp"
 #include "kernel/forces/contact_law.hpp"
+#include "kernel/live/hand.hpp"
 #include "kernel/live/json_text.hpp"
 
 namespace suture {
@@ -15,7 +16,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string grasp_name = "device-hand";
 constexpr std::uint32_t grasping = 1;  ///< button 0
 /// Closer than this part of an edge, the hand is there.
 constexpr double same = 1e-9;
@@ -45,7 +45,7 @@ std::optional<std::size_t> obstacle_of(const Simulation& simulation, const std::
 
 DeviceHand::DeviceHand(Simulation& simulation, const std::string& obstacle, double edge)
     : simulation_(simulation), obstacle_(obstacle_of(simulation, obstacle)), edge_(edge) {
-  if (!obstacle_) cursor_ = middle_of(simulation);
+  if (!obstacle_) cursor_.place = middle_of(simulation);
   engage({});
 }
 
@@ -53,7 +53,7 @@ void DeviceHand::engage(const suture_device_pose& pose) {
   engaged_ = pose_ = pose;
   if (obstacle_)
     base_ = simulation_.contact()->obstacles()[*obstacle_].motion.pose(simulation_.time());
-  engaged_cursor_ = cursor_;
+  engaged_cursor_ = cursor_.place;
 }
 
 std::string DeviceHand::input(const suture_device_pose& pose, double steps, double dt) {
@@ -82,28 +82,30 @@ std::string DeviceHand::steered(const suture_device_pose& pose, double steps, do
 }
 
 std::string DeviceHand::grasped(const suture_device_pose& pose, double steps, double dt) {
-  cursor_ = plus(engaged_cursor_, minus(position_of(pose), position_of(engaged_)));
+  cursor_.place = plus(engaged_cursor_, minus(position_of(pose), position_of(engaged_)));
   const bool is_down = pose.buttons & grasping, was_down = pose_.buttons & grasping;
   const std::optional<Vec3> held = held_place();
   if (is_down && !was_down) {
-    grip_.reset();
-    const Json sphere{{"centre", cursor_}, {"radius", 1.2 * edge_}};
-    return json_text(Json{{"grasp", {{"name", grasp_name}, {"where", {{"sphere", sphere}}}}}});
+    cursor_.grip.reset();
+    const Json sphere{{"centre", cursor_.place}, {"radius", 1.2 * edge_}};
+    return json_text(
+        Json{{"grasp", {{"name", device_grasp_name}, {"where", {{"sphere", sphere}}}}}});
   }
   if (!held) return "";
-  if (!is_down) return json_text(Json{{"release", grasp_name}});
-  if (!grip_) grip_ = minus(cursor_, *held);
-  const Vec3 way = minus(minus(cursor_, *grip_), *held);
+  if (!is_down) return release_input(device_grasp_name);
+  if (!cursor_.grip) cursor_.grip = minus(cursor_.place, *held);
+  const Vec3 way = minus(minus(cursor_.place, *cursor_.grip), *held);
   const double length = norm(way);
   if (length <= same * edge_) return "";
   const double part = std::min(1.0, hand_reach * edge_ * steps / length);
-  return json_text(
-      Json{{"move",
-            {{"grasp", grasp_name}, {"translation", scaled(part, way)}, {"during", steps * dt}}}});
+  return json_text(Json{{"move",
+                         {{"grasp", device_grasp_name},
+                          {"translation", scaled(part, way)},
+                          {"during", steps * dt}}}});
 }
 
 std::optional<Vec3> DeviceHand::held_place() const {
-  const auto held = simulation_.built().body().constraints().held_by(grasp_name);
+  const auto held = simulation_.built().body().constraints().held_by(device_grasp_name);
   if (held.empty()) return {};
   Vec3 sum{};
   for (const auto& each : held)
@@ -115,7 +117,7 @@ FeltForce DeviceHand::force() const {
   FeltForce felt;
   felt.at = pose_;
   if (!obstacle_) {
-    felt.force = simulation_.force_on_grasp(grasp_name);
+    felt.force = simulation_.force_on_grasp(device_grasp_name);
     return felt;
   }
   const ContactLaw& contact = *simulation_.contact();
@@ -133,9 +135,15 @@ FeltForce DeviceHand::force() const {
 }
 
 Vec3 DeviceHand::place() const {
-  if (!obstacle_) return cursor_;
+  if (!obstacle_) return cursor_.place;
   const Pose pose = simulation_.contact()->obstacles()[*obstacle_].motion.pose(simulation_.time());
   return plus(pose.place(pose.centre), simulation_.origin());
+}
+
+Vec3 DeviceHand::rotation() const {
+  if (!obstacle_) return rotation_between(no_rotation, turn_of(pose_));
+  return rotation_vector(
+      simulation_.contact()->obstacles()[*obstacle_].motion.pose(simulation_.time()));
 }
 
 std::string DeviceHand::holds() const {

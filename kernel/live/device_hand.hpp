@@ -36,6 +36,15 @@ class DeviceHand {
   /// if the scene has no obstacle of that name. `edge`: the length of an element's edges, m.
   DeviceHand(Simulation& simulation, const std::string& obstacle, double edge);
 
+  /// Where the hand is without an obstacle, and from where it leads what it holds.
+  struct Cursor {
+    Vec3 place{};                ///< m in the scene
+    std::optional<Vec3> grip{};  ///< from held_place() to it
+  };
+  const Cursor& cursor() const { return cursor_; }
+  /// For a run that goes back to a state: the hand is there again, with what it held.
+  void return_to(const Cursor& cursor) { cursor_ = cursor; }
+
   /// From now on the hand follows the motion of the device from `pose`. Call before input().
   void engage(const suture_device_pose& pose);
   /// The input (apply_input()) by which the hand gets to a pose during `steps` steps of length dt
@@ -46,6 +55,8 @@ class DeviceHand {
   FeltForce force() const;
   /// Where the hand is in the scene, m.
   Vec3 place() const;
+  /// How it is turned: the obstacle since the scene began, or the device; vector, rad.
+  Vec3 rotation() const;
   /// "obstacle 'knife'", or "what button 0 grasps".
   std::string holds() const;
 
@@ -59,9 +70,9 @@ class DeviceHand {
   std::optional<std::size_t> obstacle_;
   double edge_;
   suture_device_pose engaged_{}, pose_{};
-  Pose base_;                         ///< of the obstacle when engaged
-  Vec3 cursor_{}, engaged_cursor_{};  ///< without an obstacle, m in the scene
-  std::optional<Vec3> grip_;          ///< from held_place() to the cursor
+  Pose base_;  ///< of the obstacle when engaged
+  Cursor cursor_;
+  Vec3 engaged_cursor_{};
 };
 
 }  // namespace suture

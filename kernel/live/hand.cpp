@@ -32,6 +32,6 @@ std::string hold_input(const Vec3& at, double radius) {
   return json_text(Json{{"grasp", {{"name", hand_name}, {"where", {{"sphere", sphere}}}}}});
 }
 
-std::string release_input() { return json_text(Json{{"release", hand_name}}); }
+std::string release_input(const std::string& grasp) { return json_text(Json{{"release", grasp}}); }
 
 }  // namespace suture

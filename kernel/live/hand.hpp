@@ -23,11 +23,11 @@ struct Hand {
   std::string input() const;
 };
 
-/// The name of the grasp with which a hand holds nodes.
-inline constexpr const char* hand_name = "live-hand";
+/// The names of the grasps with which the mouse and a device hold nodes.
+inline constexpr const char *hand_name = "live-hand", *device_grasp_name = "device-hand";
 
-/// The inputs that hold the nodes within a radius, and release them.
+/// The inputs by which the mouse holds the nodes within a radius, and which release a grasp.
 std::string hold_input(const Vec3& at, double radius);
-std::string release_input();
+std::string release_input(const std::string& grasp);
 
 }  // namespace suture

@@ -61,14 +61,18 @@ void set_gravity(const Json& value, Simulation& simulation, Observer& observer) 
 }
 
 TriangleSurface surface_of(const Json& sweep) {
-  TriangleSurface surface{"the surface that the blade has swept",
-                          sweep.at("points").get<std::vector<Vec3>>(),
-                          sweep.at("triangles").get<std::vector<Triangle>>()};
-  for (const Triangle& triangle : surface.triangles)
-    for (const Index corner : triangle)
+  TriangleSurface surface{
+      "the surface that the blade has swept", sweep.at("points").get<std::vector<Vec3>>(), {}};
+  for (const auto& corners : sweep.at("triangles").get<std::vector<std::array<Json, 3>>>()) {
+    Triangle& triangle = surface.triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint64_t corner = whole_number(corners[k], "a corner in 'sweep'");
       if (corner >= surface.points.size())
         throw InputError("a triangle of 'sweep' has corner " + std::to_string(corner) + ", but " +
                          std::to_string(surface.points.size()) + " points are given");
+      triangle[k] = static_cast<Index>(corner);
+    }
+  }
   return surface;
 }
 

@@ -20,6 +20,7 @@ void KeptStates::keep(KeptState state) {
   for (const KeptState& kept : states_) bytes += kept.state.bytes();
   while (states_.size() > 1 && (bytes > max_bytes || states_.size() > max_count)) {
     bytes -= states_.front().state.bytes();
+    spare_ = std::move(states_.front().state);
     states_.pop_front();
   }
 }

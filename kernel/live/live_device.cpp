@@ -44,6 +44,7 @@ void LiveRun::show_device() {
     diagnostics_.warn(problem);
   LiveStatus::Device& shown = status_.device;
   shown.place = device_hand_->place();
+  shown.rotation = device_hand_->rotation();
   shown.force = device_->force();
   shown.poses_per_second = device_->rate();
 }

@@ -10,6 +10,7 @@
 #include "kernel/live/json_text.hpp"
 #include "kernel/live/live_run.hpp"
 #include "kernel/live/scene_of_recording.hpp"
+#include "kernel/run/checkpoints.hpp"
 #include "kernel/run/steering.hpp"
 
 namespace suture {
@@ -69,6 +70,8 @@ void LiveRun::act(const std::string& what, const Json& input, Observer& observer
     make_steps(1, observer);
   } else if (what == "scene") {
     send_scene();
+  } else if (what == "checkpoint") {
+    save_checkpoint();
   } else if (what == "keep") {
     keep(input.value("name", "kept"), false);
   } else if (what == "apply") {
@@ -113,12 +116,26 @@ void LiveRun::send_scene() {
   server_.say(json_text(Json{{"scene", scene.text}, {"name", scene_.file.stem().string()}}));
 }
 
+/// To a file beside the recording.
+void LiveRun::save_checkpoint() {
+  require_own("save a checkpoint");
+  const std::filesystem::path file =
+      free_name(recording_->path().parent_path(), scene_, "checkpoint", ".h5");
+  try {
+    suture::save_checkpoint(*simulation_, header_, file);
+  } catch (const IoError& error) {
+    return tell("error", error.what());
+  }
+  tell("message", "saved " + file.string() + "; go on from it with suture live " + file.string() +
+                      ", or suture run --resume " + file.string() + " --set /solver/end=SECONDS");
+}
+
 // -------------------------------------------------------------- kept states --
 
 void LiveRun::reset(Observer& observer) {
   require_own("start it again");
   kept_.clear();
-  build(pictures_->last_number());
+  build(pictures_->last_number(), start_ ? &*start_ : nullptr);
   recording_->reset();
   observer.on_message("the run is at its start again");
 }
@@ -127,9 +144,11 @@ void LiveRun::reset(Observer& observer) {
 void LiveRun::go_back(const Json& input, Observer& observer) {
   require_own("go back");
   const bool takes_back = !input.contains("to");
-  KeptState kept = takes_back ? kept_.take_last_action() : kept_.take(input["to"]);
+  KeptState kept =
+      takes_back ? kept_.take_last_action() : kept_.take(whole_number(input["to"], "'to'"));
   build(pictures_->last_number(), &kept.state);
   hand_ = kept.hand;
+  if (device_hand_ && kept.cursor) device_hand_->return_to(*kept.cursor);
   recording_->back(kept.step, kept.inputs);
   observer.on_message(timed(kept.time, takes_back ? kept.name + " was taken back"
                                                   : "the run is back at '" + kept.name + "'"));
@@ -140,8 +159,13 @@ void LiveRun::go_back(const Json& input, Observer& observer) {
 
 void LiveRun::keep(const std::string& name, bool is_before_action) {
   if (!own_) return;
-  kept_.keep({name, is_before_action, simulation_->time(), simulation_->step(),
-              recording_->inputs(), hand_, simulation_->save()});
+  KeptState kept{
+      name, is_before_action, simulation_->time(), simulation_->step(), recording_->inputs(),
+      hand_};
+  if (device_hand_) kept.cursor = device_hand_->cursor();
+  StateTree spare = kept_.take_spare();
+  kept.state = simulation_->save(&spare);
+  kept_.keep(std::move(kept));
   tell_lists();
 }
 
@@ -196,7 +220,7 @@ void LiveRun::let_go(Observer& observer) {
   if (!hand_) return;
   const bool holds_nodes = hand_->tool.empty();
   hand_.reset();
-  if (holds_nodes) apply(release_input(), observer);
+  if (holds_nodes) apply(release_input(hand_name), observer);
 }
 
 /// With what the body pulls at the hand.

@@ -7,6 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/live/adjustable.hpp"
 #include "kernel/live/json_text.hpp"
+#include "kernel/run/checkpoints.hpp"
 
 namespace suture {
 namespace {
@@ -52,7 +53,8 @@ class LiveRun::Reporter final : public Observer {
 LiveRun::LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, LiveServer& server,
                  std::filesystem::path recording)
     : scene_(scene), host_(host), diagnostics_(diagnostics), server_(server) {
-  build(0);
+  build(0, nullptr);
+  header_ = checkpoint_header(simulation_->built(), host);
   recording_.emplace(std::move(recording), scene_, *simulation_);
 }
 
@@ -104,11 +106,17 @@ void LiveRun::run(Observer& observer) {
     for (const std::string& text : server_.take_inputs()) obey(text, reporter);
     report_warnings();
     show();  // before steps, which may take long
+    prepare_to_keep();
     if (status_.is_playing)
       make_due_steps(reporter);
     else
       server_.wait(idle);
   }
+}
+
+/// Who acts shall not wait for memory: after a picture was shown, some is taken for the next state.
+void LiveRun::prepare_to_keep() {
+  if (own_ && is_shown_ && !kept_.has_spare()) kept_.set_spare(simulation_->save());
 }
 
 void LiveRun::end() {
@@ -128,6 +136,18 @@ void LiveRun::show_last() {
   report_warnings();
   status_.is_playing = false;
   if (server_.is_watched()) server_.show(pictures_->picture(status_));
+}
+
+void LiveRun::resume(Checkpoint checkpoint, const std::filesystem::path& file, Observer& observer) {
+  require_fit(checkpoint.header, header_, file);
+  start_.emplace(std::move(checkpoint.state));
+  load_checkpoint(file, [&] { simulation_->load(*start_); });
+  pictures_->find_surface_again();
+  recording_ = RecordingWriter(recording_->path(), scene_, *simulation_, file);
+  for (const char* grasp : {hand_name, device_grasp_name})
+    if (!simulation_->built().body().constraints().held_by(grasp).empty())
+      apply(release_input(grasp), observer);
+  tell_lists();  // values may have changed
 }
 
 bool LiveRun::continue_from(const Recording& recording, Observer& observer) {

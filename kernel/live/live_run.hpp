@@ -14,6 +14,7 @@
 #include "kernel/live/live_server.hpp"
 #include "kernel/live/picture.hpp"
 #include "kernel/live/recording.hpp"
+#include "kernel/output/checkpoint_file.hpp"
 #include "kernel/run/simulation.hpp"
 
 namespace suture {
@@ -37,6 +38,10 @@ class LiveRun {
           LiveServer& server, std::filesystem::path recording, std::span<const RecordedInput> done);
   ~LiveRun();
 
+  /// Goes on from a checkpoint of the same scene, read from `file`, and what mouse or device held
+  /// there is released; a reset returns to it. Call before anything else. Throws InputError if it
+  /// does not fit.
+  void resume(Checkpoint checkpoint, const std::filesystem::path& file, Observer& observer);
   /// Makes the steps of a recording with its inputs, which are recorded again. Call before run().
   /// Throws the errors of repeat(). False if `observer` has stopped it.
   bool continue_from(const Recording& recording, Observer& observer);
@@ -67,12 +72,13 @@ class LiveRun {
  private:
   using Wall = std::chrono::steady_clock;
   class Reporter;
-  void build(std::uint64_t first_surface, const StateTree* state = nullptr);
+  void build(std::uint64_t first_surface, const StateTree* state);
   void make_due_steps(Observer& observer);
   void make_steps(std::uint64_t count, Observer& observer);
   void require_own(const std::string& what) const;
   void fail(const std::string& why);
   void show();
+  void prepare_to_keep();
   void measure(std::uint64_t steps, double simulated);
   void report_warnings();
   void tell(const char* key, const std::string& text);
@@ -92,6 +98,7 @@ class LiveRun {
   void act(const std::string& what, const Json& input, Observer& observer);
   void play(bool plays);
   void send_scene();
+  void save_checkpoint();
   void reset(Observer& observer);
   void go_back(const Json& input, Observer& observer);
   void keep(const std::string& name, bool is_before_action);
@@ -110,6 +117,8 @@ class LiveRun {
   Simulation* simulation_ = nullptr;    ///< own_, or that of a script
   std::unique_ptr<Pictures> pictures_;  ///< they refer to the simulation
   std::optional<RecordingWriter> recording_;
+  CheckpointHeader header_;         ///< of checkpoints of a run of its own
+  std::optional<StateTree> start_;  ///< if it began at a checkpoint
   std::string field_ = "displacement";
   LiveStatus status_;
   bool is_shown_ = false;

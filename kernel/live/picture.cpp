@@ -83,6 +83,7 @@ Json blades_json(const Simulation& simulation) {
 Json device_json(const LiveStatus::Device& device) {
   return {{"name", device.name},
           {"place", device.place},
+          {"rotation", device.rotation},
           {"force", device.force},
           {"poses_per_second", device.poses_per_second},
           {"exchanges_per_second", device.exchanges_per_second}};

@@ -21,6 +21,7 @@ struct LiveStatus {
   struct Device {
     std::string name;                                       ///< "": there is none
     Vec3 place{};                                           ///< of the hand in the scene, m
+    Vec3 rotation{};                                        ///< vector, rad
     Vec3 force{};                                           ///< on the hand, N
     double poses_per_second = 0, exchanges_per_second = 0;  ///< with the device, with the run
   } device{};

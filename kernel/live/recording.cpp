@@ -20,15 +20,6 @@ constexpr int version = 1;
 
 std::string line_of(const Lines& json) { return json_text(json) + "\n"; }
 
-/// NAME-recording.jsonl in the working folder, or with a number.
-std::filesystem::path free_name(const Scene& scene) {
-  const std::string stem = scene.file.stem().string() + "-recording";
-  std::filesystem::path name = stem + ".jsonl";
-  for (int i = 2; std::filesystem::exists(name); ++i)
-    name = stem + "-" + std::to_string(i) + ".jsonl";
-  return name;
-}
-
 std::string file_text(const std::filesystem::path& path) {
   InputFile file(path);
   if (!file.problem().empty()) throw IoError(path.string() + ": " + file.problem());
@@ -36,7 +27,7 @@ std::string file_text(const std::filesystem::path& path) {
 }
 
 void read_header(const Lines& line, Recording& recording) {
-  if (line.at("recording").get<int>() != version)
+  if (line.at("recording") != version)
     throw InputError("it has version " + line.at("recording").dump() + " of the format, not " +
                      std::to_string(version));
   recording.program = line.at("program");
@@ -46,6 +37,9 @@ void read_header(const Lines& line, Recording& recording) {
                       line.at("folder").get<std::string>(),
                       {}};
   recording.writes_results = line.value("results", true);
+  recording.checkpoint = line.value("checkpoint", std::string());
+  recording.first_step = recording.last_step =
+      whole_number(line.value("step", Lines(0U)), "its step");
   recording.start = line.at("state");
 }
 
@@ -53,7 +47,8 @@ void read_header(const Lines& line, Recording& recording) {
 /// the others.
 void go_back(Recording& recording, std::uint64_t step, std::size_t inputs) {
   const std::vector<RecordedInput>& all = recording.inputs;
-  if (inputs > all.size() || (inputs > 0 && step < all[inputs - 1].step) ||
+  if (inputs > all.size() || step < recording.first_step ||
+      (inputs > 0 && step < all[inputs - 1].step) ||
       (inputs < all.size() && step > all[inputs].step))
     throw InputError("it goes back to a state that the lines above do not have");
   recording.inputs.resize(inputs);
@@ -61,11 +56,10 @@ void go_back(Recording& recording, std::uint64_t step, std::size_t inputs) {
 }
 
 void read_line(const Lines& line, Recording& recording) {
-  if (!line.at("step").is_number_unsigned())
-    throw InputError("its step is not a whole number from 0 on");
-  const auto step = line.at("step").get<std::uint64_t>();
-  if (line.contains("reset")) return go_back(recording, 0, 0);
-  if (line.contains("back")) return go_back(recording, step, line.at("inputs").get<std::size_t>());
+  const std::uint64_t step = whole_number(line.at("step"), "its step");
+  if (line.contains("reset")) return go_back(recording, recording.first_step, 0);
+  if (line.contains("back"))
+    return go_back(recording, step, whole_number(line.at("inputs"), "its number of inputs"));
   if (step < recording.last_step) throw InputError("its step is before that of the line above");
   recording.last_step = step;
   if (line.contains("end"))
@@ -150,17 +144,33 @@ std::string state_hash(Simulation& simulation) {
   return sum.text();
 }
 
+std::filesystem::path free_name(const std::filesystem::path& folder, const Scene& scene,
+                                const std::string& what, const std::string& ending) {
+  const std::string stem = scene.file.stem().string() + "-" + what;
+  std::filesystem::path name = folder / (stem + ending);
+  for (int i = 2; std::filesystem::exists(name); ++i)
+    name = folder / (stem + "-" + std::to_string(i) + ending);
+  return name;
+}
+
 RecordingWriter::RecordingWriter(std::filesystem::path file, const Scene& scene,
-                                 Simulation& simulation)
-    : path_(file.empty() ? free_name(scene) : std::move(file)),
-      header_(line_of({{"recording", version},
-                       {"program", "suture " SUTURE_VERSION},
-                       {"isa", std::string(simulation.isa())},
-                       {"file", scene.source.file.string()},
-                       {"folder", scene.source.working_folder.string()},
-                       {"results", scene.output.enabled},
-                       {"state", state_hash(simulation)},
-                       {"scene", scene.source.text}})) {}
+                                 Simulation& simulation, const std::filesystem::path& checkpoint)
+    : path_(file.empty() ? free_name("", scene, "recording", ".jsonl") : std::move(file)),
+      first_step_(simulation.step()) {
+  Lines header{{"recording", version},
+               {"program", "suture " SUTURE_VERSION},
+               {"isa", std::string(simulation.isa())},
+               {"file", scene.source.file.string()},
+               {"folder", scene.source.working_folder.string()},
+               {"results", scene.output.enabled}};
+  if (!checkpoint.empty()) {
+    header["checkpoint"] = std::filesystem::absolute(checkpoint).string();
+    header["step"] = first_step_;
+  }
+  header["state"] = state_hash(simulation);
+  header["scene"] = scene.source.text;
+  header_ = line_of(header);
+}
 
 void RecordingWriter::write(const std::string& line) {
   if (!is_on_) return;
@@ -181,7 +191,7 @@ void RecordingWriter::input(const RecordedInput& input) {
 }
 
 void RecordingWriter::reset() {
-  if (has_inputs()) write(line_of({{"step", 0}, {"reset", true}}));
+  if (has_inputs()) write(line_of({{"step", first_step_}, {"reset", true}}));
   inputs_ = 0;
 }
 

@@ -26,7 +26,9 @@ struct Recording {
   SceneSource source;
   bool writes_results = true;         ///< false: frames were no stops of the clock
   std::string program, isa;           ///< that made it
-  std::string start;                  ///< state_hash() before the first step
+  std::filesystem::path checkpoint;   ///< from which it begins; "": from the scene as built
+  std::uint64_t first_step = 0;       ///< that of the checkpoint
+  std::string start;                  ///< state_hash() there
   std::vector<RecordedInput> inputs;  ///< those that count, by step
   std::uint64_t last_step = 0;
   std::string end;  ///< state_hash() after the last step; "" if the program was killed
@@ -38,9 +40,9 @@ bool is_recording(const std::filesystem::path& file);
 /// was killed while it wrote.
 Recording read_recording(const std::filesystem::path& file);
 
-/// Makes the steps of a recording and applies its inputs. Throws the errors of the run, and
-/// InputError where the body is not that of the recording. False if the run ended earlier or
-/// `observer` has stopped it.
+/// Makes the steps of a recording and applies its inputs, from where it begins. Throws the errors
+/// of the run, and InputError where the body is not that of the recording. False if the run ended
+/// earlier or `observer` has stopped it.
 bool repeat(const Recording& recording, const Scene& scene, Simulation& simulation,
             Observer& observer, Diagnostics& diagnostics);
 /// Warns if the state differs from that at the end of the recording.
@@ -49,11 +51,18 @@ void compare_end(const Recording& recording, Simulation& simulation, Diagnostics
 /// The cells, positions and velocities: equal for equal bits. O(body).
 std::string state_hash(Simulation& simulation);
 
+/// NAME-WHAT.ENDING in a folder, where NAME is that of the scene's file; with a number if there is
+/// such a file.
+std::filesystem::path free_name(const std::filesystem::path& folder, const Scene& scene,
+                                const std::string& what, const std::string& ending);
+
 /// Writes a recording, each input at once. The file is created by the first input. Throws IoError.
 class RecordingWriter {
  public:
-  /// `file`: "" for a name made from that of the scene, which no file has yet.
-  RecordingWriter(std::filesystem::path file, const Scene& scene, Simulation& simulation);
+  /// `file`: "" for a name made from that of the scene, which no file has yet. `checkpoint`: the
+  /// file whose state `simulation` has; "" if it is as built.
+  RecordingWriter(std::filesystem::path file, const Scene& scene, Simulation& simulation,
+                  const std::filesystem::path& checkpoint = {});
 
   /// The file; it exists if has_inputs().
   const std::filesystem::path& path() const { return path_; }
@@ -77,6 +86,7 @@ class RecordingWriter {
 
   std::filesystem::path path_;
   std::string header_;
+  std::uint64_t first_step_;
   std::unique_ptr<OutputFile> file_;
   bool is_on_ = true;
   std::size_t inputs_ = 0;

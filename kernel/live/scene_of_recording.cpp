@@ -146,6 +146,9 @@ class SceneWriter {
 }  // namespace
 
 RecordedScene scene_of(const Recording& recording, double end) {
+  if (!recording.checkpoint.empty())
+    throw InputError("the run began at " + recording.checkpoint.string() +
+                     "; a scene begins at rest, so it cannot do what was done since");
   try {
     SceneWriter writer(recording.source.text);
     for (const RecordedInput& input : recording.inputs) writer.add(input);

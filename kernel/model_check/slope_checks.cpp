@@ -31,7 +31,7 @@ double error_of(double found, double expected, double noise) {
 /// Checks the parameter with this name, at random multipliers and weights.
 Measured slope_error(SampleBody& sample, const std::string& name, std::mt19937_64& random) {
   const auto slopes_with = [&](double step) {
-    return ParameterSlopes(sample.body(), sample.options().time, sample.instance(), name, step);
+    return ParameterSlopes(sample.body(), {sample.options().time}, sample.instance(), name, step);
   };
   ParameterSlopes slopes = slopes_with(ParameterSlopes::best_step);
   const std::vector<double> forces = total_forces(sample.body(), sample.options().time);

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t block_size = 512;
-constexpr std::uint64_t format = 4;
+constexpr std::uint64_t format = 5;
 constexpr std::string_view begins = "suture checkpoint, format ";
 using Block = std::array<char, block_size>;
 
@@ -146,6 +146,20 @@ void write_checkpoint(OutputFile& file, CheckpointHeader header, StateTree&& sta
   };
   const std::string failure = hdf5_module().write(std::move(tree), take);
   if (!failure.empty()) throw IoError(file.path().string() + ": cannot be written: " + failure);
+}
+
+void write_checkpoint(const fs::path& path, CheckpointHeader header, StateTree&& state) {
+  const Folder folder = Folder::open(path.parent_path());
+  AtomicFile file(folder, path.filename().string());
+  write_checkpoint(file, std::move(header), std::move(state));
+  file.commit();
+}
+
+bool is_checkpoint(const fs::path& path) {
+  InputFile file(path);
+  if (!file.problem().empty()) return false;
+  std::string start(begins.size(), ' ');
+  return file.read(start) == start.size() && start == begins;
 }
 
 Checkpoint read_checkpoint(const fs::path& path) {

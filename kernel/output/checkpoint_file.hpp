@@ -26,8 +26,9 @@ struct CheckpointHeader {
   std::string mesh_source, mesh_hash;
   std::vector<Plugin> plugins;
   std::string run;  ///< identity of the run: equal if all bits of the results are equal
-  std::uint64_t number =
-      0;  ///< index of the checkpoint in its run, from 1; set by CheckpointWriter
+  /// Index of the checkpoint in its run, from 1; set by CheckpointWriter. 0: no results belong to
+  /// it.
+  std::uint64_t number = 0;
   std::uint64_t step = 0;
   double time = 0;  ///< s
 
@@ -45,6 +46,12 @@ struct Checkpoint {
 /// are freed as they are written. Throws IoError.
 void write_checkpoint(OutputFile& file, CheckpointHeader header, StateTree&& state);
 
+/// The same for a file of its own, which appears complete or not at all. Throws IoError.
+void write_checkpoint(const std::filesystem::path& path, CheckpointHeader header,
+                      StateTree&& state);
+
+/// Whether a file begins like a checkpoint; false if it cannot be read.
+bool is_checkpoint(const std::filesystem::path& path);
 /// Throws an InputError that says why a file cannot be read: it does not exist, is a folder, is of
 /// another kind or version of the format, is truncated or damaged.
 Checkpoint read_checkpoint(const std::filesystem::path& path);

@@ -301,9 +301,13 @@ void Recorder::PendingRecord::state(Archive& archive) {
 }
 
 void Recorder::state(Archive& archive) {
+  bool had_files = has_files();
+  archive("has files", had_files);
   archive("frame number", frame_number_);
   archive("modes written", modes_written_);
   archive.each("held", pending_);
+  begins_ = !had_files;
+  if (had_files != has_files()) return pending_.clear();
   if (archive.loads() && modes_written_ > 0) modes_ = open_sink("mode", "mode");
   const auto writer = [&](const char* name, auto& file) {
     if (file) archive(name, *file);

@@ -66,9 +66,14 @@ class Recorder {
   void finish();
 
   std::size_t frames_written() const { return frame_number_; }
+  /// Numbers later frames as if there had been so many.
+  void skip_frames(std::size_t count) { frame_number_ = count; }
   std::string collection() const;
-  /// The records on disk and those held back; later records are appended.
+  /// The records on disk and those held back; later records are appended. A run with other results
+  /// than the saved one begins its own.
   void state(Archive& archive);
+  /// Whether the state that was loaded is that of a run without results.
+  bool begins() const { return begins_; }
   /// The number of frames of the part before a resumption whose files are not in the folder.
   std::size_t missing_frames() const;
   std::string mode_collection() const;  ///< "" if no mode was written
@@ -91,6 +96,7 @@ class Recorder {
     std::size_t side = 0;          ///< the series
     void state(Archive& archive);
   };
+  bool has_files() const { return frames_ || energies_ || probes_ || tools_; }
   void tell_provenance();
   void write(PendingRecord& record);
   std::unique_ptr<FrameSink> open_sink(const char* prefix, const char* collection) const;
@@ -100,7 +106,7 @@ class Recorder {
   bool has_told_provenance_ = false;
   std::shared_ptr<OutputFolder> folder_;
   std::vector<FieldChoice> fields_, other_fields_;
-  bool writes_ = false, frames_need_force_ = false, frames_run_functors_ = false;
+  bool writes_ = false, begins_ = false, frames_need_force_ = false, frames_run_functors_ = false;
   std::size_t frame_number_ = 0;
   std::deque<PendingRecord> pending_;
   std::optional<ProbeTable> probe_table_;

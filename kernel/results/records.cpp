@@ -10,8 +10,13 @@ bool Records::frame_is_due() const {
   if (!recorder_.writes_frames()) return false;
   if (clock_.step() == 0) return true;
   if (output.every_steps > 0) return clock_.step() % output.every_steps == 0;
-  return output.every > 0 &&
-         clock_.reached(static_cast<double>(recorder_.frames_written()) * output.every);
+  return is_reached(recorder_.frames_written());
+}
+
+/// Whether the time of a frame has come, where frames have times.
+bool Records::is_reached(std::size_t frame) const {
+  const double every = built_.scene().output.every;
+  return every > 0 && clock_.reached(static_cast<double>(frame) * every);
 }
 
 void Records::write_frame() {
@@ -57,6 +62,13 @@ void Records::roll_back() {
   for (std::uint64_t* mark : {&last_frame_, &last_energies_, &last_probes_, &last_tools_})
     if (*mark > clock_.step()) *mark = never;
   if (recorded_ != never) recorded_ = std::min(recorded_, clock_.step());
+}
+
+void Records::begin_here() {
+  const std::uint64_t every_steps = built_.scene().output.every_steps;
+  std::size_t frames = every_steps > 0 ? clock_.step() / every_steps + 1 : 1;
+  while (every_steps == 0 && is_reached(frames)) ++frames;
+  recorder_.skip_frames(frames);
 }
 
 void Records::state(Archive& archive) {

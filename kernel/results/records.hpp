@@ -24,10 +24,14 @@ class Records {
   void finish(double last_dt);
   /// Call after a rollback to an earlier step, which was recorded before it was kept.
   void roll_back();
+  /// For a run whose first results are those after now: frames have the numbers that they would
+  /// have had with those before.
+  void begin_here();
   void state(Archive& archive);
 
  private:
   bool frame_is_due() const;
+  bool is_reached(std::size_t frame) const;
   void write_frame();
   void record_tables(double last_dt, bool last);
 

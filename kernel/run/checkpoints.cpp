@@ -5,6 +5,7 @@
 
 #include "kernel/base/checksum.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/run/simulation.hpp"
 
 namespace suture {
 namespace {
@@ -31,7 +32,9 @@ std::string identity_of(const CheckpointHeader& run, const CheckpointHeader& ear
   return sum.text();
 }
 
-CheckpointHeader header_of(BuiltScene& built, const PluginHost& host) {
+}  // namespace
+
+CheckpointHeader checkpoint_header(BuiltScene& built, const PluginHost& host) {
   const Scene& scene = built.scene();
   CheckpointHeader header;
   header.program = "suture " SUTURE_VERSION;
@@ -50,7 +53,39 @@ CheckpointHeader header_of(BuiltScene& built, const PluginHost& host) {
   return header;
 }
 
-}  // namespace
+void require_fit(const CheckpointHeader& checkpoint, const CheckpointHeader& run,
+                 const std::filesystem::path& file) {
+  const auto refuse = [&](const std::string& why) { throw InputError(file.string() + ": " + why); };
+  if (checkpoint.program != run.program)
+    refuse("it was written by " + checkpoint.program + ", but this is " + run.program +
+           "; resume it with that version");
+  if (checkpoint.mesh_hash != run.mesh_hash)
+    refuse("it was written for a different mesh: " + run.mesh_source +
+           " has changed since; restore the file");
+  for (std::size_t i = 0; i < checkpoint.plugins.size() && i < run.plugins.size(); ++i) {
+    const CheckpointHeader::Plugin &then = checkpoint.plugins[i], &now = run.plugins[i];
+    if (then.id != now.id || then.version != now.version)
+      throw PluginError(file.string() + ": it was written with the plugin " + then.id + ' ' +
+                        then.version + ", but the one found is " + now.id + ' ' + now.version +
+                        " (" + now.file + "); install the earlier version");
+  }
+}
+
+void save_checkpoint(Simulation& run, CheckpointHeader header, const std::filesystem::path& file) {
+  header.step = run.step();
+  header.time = run.time();
+  write_checkpoint(file, std::move(header), run.save());
+}
+
+void load_checkpoint(const std::filesystem::path& file, const std::function<void()>& load) {
+  try {
+    load();
+  } catch (const InputError& error) {
+    throw InputError(file.string() + ": " + error.what());
+  } catch (const PluginError& error) {
+    throw PluginError(file.string() + ": " + error.what());
+  }
+}
 
 std::string mesh_hash(Body& body) {
   Checksum sum;
@@ -65,10 +100,10 @@ std::string mesh_hash(Body& body) {
 
 Checkpoints::Checkpoints(BuiltScene& built, const PluginHost& host,
                          std::shared_ptr<OutputFolder> folder)
-    : built_(built), options_(built.scene().checkpoint) {
+    : built_(built), host_(host), options_(built.scene().checkpoint) {
   writing_.folder = std::move(folder);
   if (!options_.enabled) return;
-  header_ = header_of(built, host);
+  header_ = checkpoint_header(built, host);
   writing_.keep = options_.keep;
   writing_.folder->set_run(header_.run);
 }
@@ -98,21 +133,10 @@ void Checkpoints::finish() {
 
 std::string Checkpoints::newest() const { return writer_ ? writer_->newest().string() : ""; }
 
-void Checkpoints::check(const CheckpointHeader& header, const std::filesystem::path& file) const {
-  const auto refuse = [&](const std::string& why) { throw InputError(file.string() + ": " + why); };
-  if (header.program != header_.program)
-    refuse("it was written by " + header.program + ", but this is " + header_.program +
-           "; resume it with that version");
-  if (header.mesh_hash != header_.mesh_hash)
-    refuse("it was written for a different mesh: " + built_.mesh_source() +
-           " has changed since; restore the file");
-  for (std::size_t i = 0; i < header.plugins.size() && i < header_.plugins.size(); ++i) {
-    const CheckpointHeader::Plugin &then = header.plugins[i], &now = header_.plugins[i];
-    if (then.id != now.id || then.version != now.version)
-      throw PluginError(file.string() + ": it was written with the plugin " + then.id + ' ' +
-                        then.version + ", but the one found is " + now.id + ' ' + now.version +
-                        " (" + now.file + "); install the earlier version");
-  }
+/// A run that writes none has no header yet.
+void Checkpoints::check(const CheckpointHeader& header, const std::filesystem::path& file) {
+  if (!options_.enabled) header_ = checkpoint_header(built_, host_);
+  require_fit(header, header_, file);
 }
 
 /// Elsewhere than in its own folder, a run that is resumed replaces nothing: the results there may
@@ -120,19 +144,11 @@ void Checkpoints::check(const CheckpointHeader& header, const std::filesystem::p
 void Checkpoints::take_folder(const CheckpointHeader& header, const std::filesystem::path& file) {
   if (!built_.scene().output.enabled) return;
   OutputFolder& folder = *writing_.folder;
-  folder.continue_run(same_folder(file.parent_path(), folder.path()) ? header.run : "");
+  const bool has_results = header.number > 0;
+  folder.continue_run(has_results && same_folder(file.parent_path(), folder.path()) ? header.run
+                                                                                    : "");
   header_.run = identity_of(header_, header);
   folder.set_run(header_.run);
-}
-
-void Checkpoints::load(const std::filesystem::path& file, const std::function<void()>& load) {
-  try {
-    load();
-  } catch (const InputError& error) {
-    throw InputError(file.string() + ": " + error.what());
-  } catch (const PluginError& error) {
-    throw PluginError(file.string() + ": " + error.what());
-  }
 }
 
 void Checkpoints::continue_from(const CheckpointHeader& header, const std::filesystem::path& file,

@@ -13,9 +13,23 @@
 
 namespace suture {
 
+class Simulation;
+
 /// Hash of the elements of a body as it was built, where they are at rest, and what differs between
 /// them.
 std::string mesh_hash(Body& body);
+
+/// What the checkpoints of a run say about it. Call before it makes a step. O(elements).
+CheckpointHeader checkpoint_header(BuiltScene& built, const PluginHost& host);
+/// Throws InputError or PluginError if a checkpoint, read from `file`, belongs to another mesh,
+/// version or model than a run with this header.
+void require_fit(const CheckpointHeader& checkpoint, const CheckpointHeader& run,
+                 const std::filesystem::path& file);
+/// Saves a run that writes no results, to a file of its own. `header`: its checkpoint_header().
+/// Throws IoError.
+void save_checkpoint(Simulation& run, CheckpointHeader header, const std::filesystem::path& file);
+/// Calls load(); its errors name the checkpoint's file.
+void load_checkpoint(const std::filesystem::path& file, const std::function<void()>& load);
 
 /// Decides when a checkpoint is due and writes it. Costs nothing if the scene requests none.
 class Checkpoints {
@@ -45,20 +59,20 @@ class Checkpoints {
               Run& run) {
     check(checkpoint.header, file);
     take_folder(checkpoint.header, file);
-    load(file, [&] { load_state(checkpoint.state, run); });
+    load_checkpoint(file, [&] { load_state(checkpoint.state, run); });
     continue_from(checkpoint.header, file, clock);
   }
 
  private:
   using Wall = std::chrono::steady_clock;
   void write(const Clock& clock, StateTree&& state);
-  void check(const CheckpointHeader& header, const std::filesystem::path& file) const;
+  void check(const CheckpointHeader& header, const std::filesystem::path& file);
   void take_folder(const CheckpointHeader& header, const std::filesystem::path& file);
-  static void load(const std::filesystem::path& file, const std::function<void()>& load);
   void continue_from(const CheckpointHeader& header, const std::filesystem::path& file,
                      const Clock& clock);
 
   BuiltScene& built_;
+  const PluginHost& host_;
   CheckpointOptions options_;
   CheckpointHeader header_;
   CheckpointWriterOptions writing_;

@@ -98,9 +98,9 @@ void RunLoop::equilibrate(Observer& observer) {
   find_equilibrium([&](const std::string& text) { observer.on_message(text); });
 }
 
-StateTree RunLoop::save() {
+StateTree RunLoop::save(StateTree* spare) {
   StateTree tree;
-  save_state(tree, *this);
+  save_state(tree, *this, spare);
   return tree;
 }
 

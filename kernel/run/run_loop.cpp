@@ -383,6 +383,7 @@ void RunLoop::report_progress(Observer& observer, Wall::time_point start,
 
 void RunLoop::resume(const Checkpoint& checkpoint, const std::filesystem::path& file) {
   checkpoints_.resume(checkpoint, file, clock_, *this);
+  if (recorder_.begins()) records_.begin_here();
   if (const std::size_t missing = recorder_.missing_frames(); missing > 0)
     diagnostics_.warn(recorder_.folder()->path().string() + ": " + std::to_string(missing) +
                       " of the earlier frames are missing, and the .pvd files do not list them; to "

@@ -35,7 +35,7 @@ class RunLoop {
   void set_field(Instance& instance, std::size_t parameter, std::vector<double> values);
   void set_gravity(const Vec3& value);
   void equilibrate(Observer& observer);
-  StateTree save();
+  StateTree save(StateTree* spare);
   void load(const StateTree& state);
   /// Loads the state of the checkpoint from `file`. Call before any step.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);

@@ -84,7 +84,7 @@ void Simulation::set_gravity(const Vec3& value) { run_->set_gravity(value); }
 
 void Simulation::equilibrate(Observer& observer) { run_->equilibrate(observer); }
 
-StateTree Simulation::save() { return run_->save(); }
+StateTree Simulation::save(StateTree* spare) { return run_->save(spare); }
 
 void Simulation::load(const StateTree& state) { run_->load(state); }
 

@@ -103,8 +103,8 @@ class Simulation {
   /// run, and NumericalError if there is no equilibrium within reach.
   void equilibrate(Observer& observer);
 
-  /// Everything that a run changes, as a checkpoint stores it.
-  StateTree save();
+  /// Everything that a run changes, as a checkpoint stores it. `spare`: save_state().
+  StateTree save(StateTree* spare = nullptr);
   /// Continues from the state of another simulation of the same scene; call before anything but
   /// add_term(): the terms are those of the state. Throws InputError if it does not fit.
   void load(const StateTree& state);

@@ -222,7 +222,7 @@ TEST(State, AStateToGoBackToHasTheMotionAndTheStatesOfModels) {
     }
   const StateTree after = state_of(one);
   const auto motion = [](const StateTree& tree) {
-    return &tree.groups.at("attributes").arrays.at("motion");
+    return &tree.groups.at("attributes").groups.at("motion").arrays.at("0");
   };
   ASSERT_EQ(motion(before)->size(), motion(after)->size());
   EXPECT_EQ(
@@ -268,8 +268,8 @@ TEST(State, OfOtherModelsOrMeshesIsRefused) {
     Simulated larger(model, FakeBody({3, 3, 4}), {{}}), line(model, FakeBody({9, 3, 1}), {{}}),
         two(model, body, {{}, {}}), part(model, body, {{0, 1, 2}});
     if (!operated) {  // afterwards the map reports it
-      EXPECT_EQ(refusal_of(tree, larger.attributes), "/: the number of vertices differs");
-      EXPECT_EQ(refusal_of(tree, line.attributes), "/: the number of vertices differs");
+      EXPECT_EQ(refusal_of(tree, larger.attributes), "/motion: the number of vertices differs");
+      EXPECT_EQ(refusal_of(tree, line.attributes), "/motion: the number of vertices differs");
     }
     EXPECT_EQ(refusal_of(tree, two.attributes),
               "/instances: the number of items differs from this run");

@@ -88,6 +88,21 @@ TEST(Archive, ATreeGivesBackEveryKindOfValue) {
   EXPECT_EQ(found, given);
 }
 
+TEST(Archive, ATreeUsesTheMemoryOfASpareOne) {
+  Holder given = filled(), found;
+  given.column.resize(100, 0.5);
+  StateTree first, second;
+  save_state(first, given);
+  const std::byte* memory = first.arrays.at("column").bytes.get();
+  given.column.push_back(1);  // needs a little more
+  given.many.resize(3);
+  given.name = "a much longer name";
+  save_state(second, given, &first);
+  load_state(second, found);
+  EXPECT_EQ(found, given);
+  EXPECT_EQ(second.arrays.at("column").bytes.get(), memory);
+}
+
 TEST(Archive, ABufferGivesBackWhatStepsChangeAndLeavesTheCells) {
   Holder given = filled(), found;
   found.cells = {1};

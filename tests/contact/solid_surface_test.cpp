@@ -147,6 +147,18 @@ TEST(SolidSurface, OnTheSurfaceTheNormalIsThatOfTheFaceTheEdgeOrTheCorner) {
   expect({0.5, 0.5, 1}, {0, 0, 1});  // on the diagonal
 }
 
+TEST(SolidSurface, TheThicknessIsThatOfThePlateOrTheTube) {
+  for (const double height :
+       {0.5, 0.3, 0.07, 0.011}) {  // centroids of sides: height / 3 from an edge
+    const double found = SolidSurface(box_surface({0, 0, 0}, {1, 1, height})).thickness();
+    EXPECT_LE(found, height);
+    EXPECT_GE(found, height / 3);
+  }
+  const double found = SolidSurface(ring(60, 30)).thickness();
+  EXPECT_LE(found, 0.3);
+  EXPECT_GE(found, 0.47 * 0.3);
+}
+
 TEST(SolidSurface, TrianglesWithoutAreaAreDropped) {
   TriangleSurface surface = box_surface({0, 0, 0}, {1, 1, 1});
   surface.triangles.push_back({0, 0, 1});

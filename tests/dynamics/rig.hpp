@@ -27,7 +27,8 @@ struct Options {
   std::string integrator = euler;
   double damping = 0;
   suture::Vec3 gravity{};
-  suture::TimeRamp gravity_ramp;
+  suture::TimeRamp gravity_ramp{};
+  suture::IntegratorOptions solver{};
 };
 
 /// The terms of a scene besides the models, dynamics and limits, of a body that is compiled.
@@ -38,7 +39,7 @@ struct Rig {
                                                            options.gravity_ramp))),
         loads(body.add(std::make_unique<suture::DeadLoads>(body.attributes()))),
         pressures(body.add(std::make_unique<suture::Pressures>(body.attributes()))),
-        dynamics(body, {options.integrator, options.damping}),
+        dynamics(body, {options.integrator, options.damping, options.solver}),
         limits(body) {}
 
   void hold(const std::vector<suture::Index>& vertices, std::uint8_t components,

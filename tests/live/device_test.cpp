@@ -152,7 +152,10 @@ TEST_F(ToolInHand, PushesTheBodyAndIsPushed) {
   const Json later = state_after(pressed["step"].get<std::uint64_t>() + 200);
   EXPECT_GT(later["device"]["poses_per_second"], 500);
   EXPECT_GT(later["device"]["exchanges_per_second"], 50);
+  EXPECT_EQ(later["device"]["rotation"], Json({0, 0, 0}));
   hand.move({0, -0.12, 0}, {0.05, 0, 0}, 100);
+  hand.send("0 0.05 0 0 0 0 0.3 0");
+  state([](const Json& head) { return head["device"]["rotation"][2] > 0.2; });
   state([](const Json& head) { return std::abs(head["device"]["force"][1].get<double>()) < 5; });
   stop();
   EXPECT_GT(std::ranges::count_if(read_recording(recording()).inputs, comes_from_device), 50);
@@ -191,6 +194,55 @@ TEST_F(BodyInHand, IsGraspedAndPulled) {
   EXPECT_THAT(page.until("message")["message"], HasSubstr("released"));
   state([](const Json& head) { return head["device"]["force"][1] == 0; });
   stop();
+  expect_same_bits(recording());
+}
+
+// Its own hold is part of the state: it goes on while the button is down, or ends by an input.
+TEST_F(BodyInHand, HoldsAgainWhatItHeldWhereTheRunGoesBack) {
+  const auto pause = [&] {
+    page.send(R"({"do":"pause"})");
+    return state([](const Json& head) { return !head["playing"]; });
+  };
+  const auto back = [&](const Json& id) {
+    page.send(Json{{"do", "back"}, {"to", id}}.dump());
+    for (;;)
+      if (const Json kept = page.until("kept")["kept"]; !kept.empty()) return kept.back()["id"];
+  };
+  hand.move({}, {}, 20, 1);
+  EXPECT_THAT(page.until("message")["message"], HasSubstr("grasped"));
+  hand.move({}, {0, 0.03, 0}, 300, 1);
+  const Json pulled = state([](const Json& head) { return head["device"]["force"][1] < -5; });
+  const Json held = pause();
+  page.send(R"({"do":"keep","name":"held"})");
+  Json id = page.until("kept")["kept"].back()["id"];
+  page.send(R"({"do":"play"})");
+  hand.move({0, 0.03, 0}, {0.2, -0.2, 0}, 50, 0);
+  EXPECT_THAT(page.until("message")["message"], HasSubstr("released"));
+  pause();
+
+  id = back(id);
+  Json now = state([&](const Json& head) { return head["step"] == held["step"]; });
+  EXPECT_EQ(now["device"]["place"], held["device"]["place"]);
+  page.send(R"({"do":"play"})");  // with the button up
+  while (page.until("message")["message"].get<std::string>().find("released") == std::string::npos)
+    continue;
+  pause();
+
+  back(id);
+  hand.move({}, {0, 0, 0}, 20, 1);  // pressed while paused
+  std::this_thread::sleep_for(20ms);
+  page.send(R"({"do":"play"})");
+  hand.move({}, {0, 0.02, 0}, 200, 1);
+  now = state_after(held["step"].get<std::uint64_t>() + 500);
+  EXPECT_NEAR(now["device"]["place"][1].get<double>(),
+              held["device"]["place"][1].get<double>() + 0.02, 1e-6);
+  EXPECT_LT(now["device"]["force"][1], pulled["device"]["force"][1]);
+  stop();
+  const Recording recorded = read_recording(recording());
+  EXPECT_EQ(std::ranges::count_if(
+                recorded.inputs,
+                [](const RecordedInput& input) { return input.value.starts_with(R"({"grasp")"); }),
+            1);
   expect_same_bits(recording());
 }
 

@@ -56,6 +56,9 @@ TEST_F(Watched, RefusesWhatItDoesNotUnderstand) {
   for (const char* wrong :
        {"", "nonsense", "[]", "{}", "null", R"({"do":7})", R"({"do":"dance"})", R"({"do":"apply"})",
         R"({"do":"apply","event":{"cut":{}}})", R"({"do":"apply","event":{"release":"nobody"}})",
+        R"({"do":"back","to":1e100})", R"({"do":"back","to":-1})",
+        R"({"do":"apply","event":{"sweep":{"points":[[0,0,0]],"triangles":[[0,0,1e100]]}}})",
+        R"({"do":"apply","event":{"sweep":{"points":[[0,0,0]],"triangles":[[0,0,1]]}}})",
         R"({"do":"field","name":"beauty"})", R"({"do":"speed","value":-1})", "\xff\xfe"}) {
     page.send(std::string(wrong) == "\xff\xfe" ? "\"" : wrong);
     EXPECT_FALSE(page.until("error")["error"].get<std::string>().empty()) << wrong;

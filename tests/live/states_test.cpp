@@ -255,6 +255,18 @@ TEST(Recordings, GoBackToWhatTheyHave) {
   EXPECT_THROW(read(input(3) + R"({"step":3,"back":true})"
                                "\n"),
                InputError);
+  const auto read_later = [&](const std::string& lines) {  // from a checkpoint at step 4
+    std::string start = header;
+    start.insert(start.find(R"("state")"), R"("checkpoint":"c.h5","step":4,)");
+    return read_recording(folder.write("r.jsonl", start + lines));
+  };
+  EXPECT_EQ(read_later("").last_step, 4U);
+  EXPECT_EQ(read_later(input(9) + R"({"step":4,"reset":true})"
+                                  "\n")
+                .last_step,
+            4U);
+  EXPECT_THROW(read_later(input(3)), InputError);
+  EXPECT_THROW(read_later(input(9) + back(3, 0)), InputError);
 }
 
 }  // namespace

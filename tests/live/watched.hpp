@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "kernel/live/live_run.hpp"
+#include "kernel/output/checkpoint_file.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/live/client.hpp"
@@ -102,6 +103,8 @@ inline std::string repeated_end(const std::filesystem::path& file, const std::st
   const auto folder = std::make_shared<OutputFolder>(file.parent_path() / "results");
   if (has_output) folder->open();
   Simulation simulation(scene, host(), diagnostics, true, folder);
+  if (const auto& start = recording.checkpoint; !start.empty())
+    simulation.resume(read_checkpoint(start), start);
   Observer nobody;
   EXPECT_TRUE(repeat(recording, scene, simulation, nobody, diagnostics));
   compare_end(recording, simulation, diagnostics);

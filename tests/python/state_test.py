@@ -163,6 +163,43 @@ class SameBits(unittest.TestCase):
                 self.assertEqual(file.read(), expected)
 
 
+    def test_checkpoints_go_on_without_the_script(self):
+        scene = bar(dt=1e-3, end=0.1)
+        with tempfile.TemporaryDirectory() as folder:
+            whole = suture.Simulation(scene, output=os.path.join(folder, "whole"))
+            part = suture.Simulation(scene)
+            for sim in (whole, part):
+                sim.step(20)
+                sim.parameters["tm-faure"]["E"] = 3e5
+                sim.cut(plane=PLANE, shape="rest")
+                sim.step(5)
+            whole.run()
+            file = os.path.join(folder, "saved.h5")
+            part.save_checkpoint(file)
+            subprocess.run([os.environ["SUTURE_PROGRAM"], "run", "--resume", file, "--output",
+                            os.path.join(folder, "rest"), "--quiet"], check=True, capture_output=True)
+            last = [sorted(f for f in os.listdir(os.path.join(folder, run)) if f.startswith("frame"))[-1]
+                    for run in ("whole", "rest")]
+            self.assertEqual(last[0], last[1])
+            read = lambda run: open(os.path.join(folder, run, last[0]), "rb").read()
+            self.assertEqual(read("whole"), read("rest"))
+
+    def test_checkpoints_need_a_scene_that_says_everything(self):
+        sim = suture.Simulation(bar())
+
+        @sim.force_term(energy=lambda x, t: 0.0)
+        def nothing(x, v, t, f):
+            pass
+
+        with self.assertRaisesRegex(suture.InputError, "the force function 'nothing'"):
+            sim.save_checkpoint("never.h5")
+        with tempfile.TemporaryDirectory() as folder:
+            sim = suture.Simulation(bar(), output=folder)
+            with self.assertRaisesRegex(suture.InputError, "writes nothing"):
+                sim.save_checkpoint("never.h5")
+        self.assertFalse(os.path.exists("never.h5"))
+
+
 class Around(unittest.TestCase):
     def test_arrays_keep_their_values(self):
         sim = suture.Simulation(bar())

@@ -37,7 +37,7 @@ class Sagging {
     return EquilibriumSlopes(simulation_.built().dynamics()).adjoint(slopes(), 1e-10);
   }
   ParameterSlopes by(const std::string& parameter) {
-    return {simulation_.built().body(), simulation_.time(), instance(), parameter};
+    return {simulation_.built().body(), {simulation_.time()}, instance(), parameter};
   }
   /// J with a parameter of all elements.
   double objective_with(std::size_t parameter, double value) {

@@ -154,6 +154,8 @@ class Adjoint:
     iterations: int
     @property
     def gravity(self) -> Floats: ...
+    @property
+    def rest(self) -> Floats: ...
     def along_rest(self, direction: ArrayLike) -> float: ...
     def gradient(
         self, model: str, parameter: str, per: str | ArrayLike | None = None
@@ -161,12 +163,13 @@ class Adjoint:
 
 class RunAdjoint:
     value: float
-    loads: Floats
+    load: Floats
+    loads: Floats | None
+    motions: Floats | None
     initial_position: Floats
     initial_velocity: Floats
+    initial_states: Floats
     iterations: int
-    @property
-    def load(self) -> Floats: ...
     @property
     def gravity(self) -> Floats: ...
     def gradient(
@@ -276,6 +279,7 @@ class Simulation:
     def gravity(self, values: ArrayLike) -> None: ...
     def copy(self) -> State: ...
     def restore(self, state: State) -> None: ...
+    def save_checkpoint(self, file: str | os.PathLike[str]) -> None: ...
     @property
     def tools(self) -> Mapping[str, Tool]: ...
     @property
@@ -340,9 +344,15 @@ class Simulation:
         self, below: int | None = None, *, outside: Mapping[str, Any] | None = None
     ) -> Change: ...
     def equilibrate(self) -> None: ...
-    def keep_steps(self) -> None: ...
+    def keep_steps(self, states: int | None = None, memory: float | None = None) -> None: ...
     def adjoint(
-        self, objective: Objective, tolerance: float | None = None, every_step: bool = False
+        self,
+        objective: Objective,
+        tolerance: float | None = None,
+        every_step: bool = False,
+        wrt: Sequence[Any] = (),
+        moments: bool = False,
+        then: RunAdjoint | None = None,
     ) -> Adjoint | RunAdjoint: ...
     def sensitivity(
         self,
@@ -396,7 +406,7 @@ class Simulation:
     ) -> Record: ...
 
 def gradient(
-    sim: Simulation,
+    sim: Simulation | Sequence[Simulation],
     objective: Objective,
     wrt: Sequence[Any],
     tolerance: float | None = None,

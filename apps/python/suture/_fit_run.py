@@ -13,6 +13,8 @@ import numpy
 TOLERANCE = 1e-3  # of sensitivities: Gauss-Newton's method needs directions
 ADJOINT_TOLERANCE = 1e-6
 ROUNDING = 1e-9  # of times
+EXTERNAL = ("/loads/", "/gravity/", "/constraints/")
+FEW_ELEMENTS = 200_000  # of all equilibria together, some 2 kB each
 
 
 class NoDerivatives(Exception):
@@ -48,6 +50,7 @@ class _Equilibrium(_Moment):
     def __init__(self, sim, reading):
         super().__init__(sim.time, reading)
         self.state = sim.copy()
+        self.sim = None  # one of its own, from the first visit on
         self.is_start = sim.steps == 0  # at rest, whatever the parameters are
         self.position = sim.position.copy()
         self.slopes = None
@@ -138,6 +141,57 @@ class Runs:
                             for parts in self._parts])
 
 
+class Followed(Runs):
+    """A Test whose scene is run as a whole, with the derivatives of the run."""
+
+    def start(self, p, with_slopes):
+        """(values (m, k), derivatives (m, k, numbers)). Raises NoDerivatives with the reason where
+        there are none."""
+        values, _ = super().start(p, with_slopes)
+        return values, self._at_times(lambda moment: moment.slopes)
+
+    evaluate = start
+
+    def _simulate(self, p):
+        from . import InputError
+
+        sim = super()._simulate(p)
+        try:
+            self._others = [self._beside(p, *other) for other in self.unknowns.of_scenes(p)]
+            sim._follow(list(self.unknowns.directions(sim)), self._others, ADJOINT_TOLERANCE)
+        except InputError as error:
+            raise NoDerivatives(str(error)) from None
+        return sim
+
+    def _beside(self, p, pointer, value, step):
+        """Simulations with a number of the scene on both sides, and the step to each."""
+        from . import Simulation
+
+        if not pointer.startswith(EXTERNAL):
+            raise NoDerivatives(f"{pointer} is no number of a load or a motion")
+        sets = {"/solver/threads": 1, **self.test.set, **self.unknowns.sets(p)}
+        return (*(Simulation(self.test.scene, {**sets, pointer: value + way})
+                  for way in (step, -step)), step)
+
+    def _reach(self, time, p):
+        from . import InputError
+
+        try:
+            super()._reach(time, p)
+        except InputError as error:
+            raise NoDerivatives(str(error)) from None
+
+    def _moment(self, p):
+        moment = super()._moment(p)
+        slopes = []
+        for number in range(self.unknowns.size):
+            moved, reaction = self._sim._followed(number)
+            has_reaction = moment.reading.by_reaction is not None
+            slopes.append(moment.reading.along(moved, reaction if has_reaction else None))
+        moment.slopes = numpy.column_stack(slopes)[:, self.unknowns.order]
+        return moment
+
+
 class Equilibria(Runs):
     """A Test of equilibria, with derivatives."""
 
@@ -179,15 +233,24 @@ class Equilibria(Runs):
 
     def _visit(self, equilibrium, p):
         """Finds the equilibrium with these parameters."""
-        sim = self._sim
-        if self._current is not equilibrium:
-            sim.restore(equilibrium.state)
-        self._current = None
+        sim = self._go_to(equilibrium, p)
         self.unknowns.apply(sim, p)
         sim.position = equilibrium.guess(p)
         sim.equilibrate()
         equilibrium.position = sim.position.copy()
         self._current = equilibrium
+
+    def _go_to(self, equilibrium, p):
+        """A simulation in its state: its own one, which keeps its preconditioner, if all of them
+        take little memory."""
+        current, self._current = self._current, None
+        if equilibrium.sim is None and current is not equilibrium:
+            if len(self._moments) * len(self._sim.element_ids) <= FEW_ELEMENTS:
+                self._sim = equilibrium.sim = self._simulate(p)
+            self._sim.restore(equilibrium.state)
+        elif equilibrium.sim is not None:
+            self._sim = equilibrium.sim
+        return self._sim
 
     def _after_step(self, p):
         """Whether there are derivatives is asked as early as possible."""

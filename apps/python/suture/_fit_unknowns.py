@@ -10,6 +10,8 @@ from ._study_file import is_number, name_of
 
 MODEL = re.compile(r"/models/(\d+)/parameters/([^/]+)")
 MOST_REGIONS = 100
+STEP = 1e-5  # of central differences by numbers of scenes, relative
+LEAST_SIZE = 1e-3  # of such a number, as a part of its range
 
 
 class Unknown:
@@ -180,10 +182,26 @@ class Unknowns:
         return {unknown.pointer: float(numbers[0]) for unknown, numbers in self.parts(p)
                 if unknown.model is None}
 
+    def of_scenes(self, p):
+        """(pointer, value, small step) for each number that is not one of a model."""
+        for unknown, numbers in self.parts(p):
+            if unknown.model is None:
+                value = float(numbers[0])
+                size = max(abs(value), LEAST_SIZE * (unknown.high - unknown.low))
+                yield unknown.pointer, value, STEP * size
+
+    @property
+    def order(self):
+        """The places of the numbers where those of directions() come before those of
+        of_scenes()."""
+        is_of_scene = numpy.concatenate([numpy.full(unknown.size, unknown.model is None)
+                                         for unknown in self.all])
+        return numpy.argsort(numpy.argsort(is_of_scene, kind="stable"))
+
     def directions(self, sim):
-        """(model, parameter, weights) for each number."""
+        """(model, parameter, weights) for each number of a model."""
         for unknown in self.all:
-            for number in range(unknown.size):
+            for number in range(unknown.size if unknown.model is not None else 0):
                 yield unknown.model, unknown.parameter, unknown.weights(sim, number)
 
 

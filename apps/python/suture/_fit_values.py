@@ -7,7 +7,7 @@ import warnings
 import numpy
 
 from ._fit_evaluation import Evaluation, Record
-from ._fit_run import Equilibria, Failed, NoDerivatives, Runs
+from ._fit_run import Equilibria, Failed, Followed, NoDerivatives, Runs
 from ._fit_workers import Workers
 
 DIFFERENCE = 1e-3  # of the range
@@ -19,16 +19,16 @@ FAILED = 10.0  # what a failed evaluation counts, as a multiple of the first one
 
 
 class Derivatives:
-    """Evaluates the tests by equilibria that are kept. The times of a test are shared between
-    processes."""
+    """Evaluates the tests by equilibria that are kept, or by runs whose derivatives are followed
+    (kind). The times of a test of equilibria are shared between processes."""
 
-    def __init__(self, problem, jobs, with_slopes=True):
+    def __init__(self, problem, jobs, with_slopes=True, kind=Equilibria):
         self.problem = problem
         self._with_slopes = with_slopes
-        shares = max(1, jobs // len(problem.tests))
+        shares = max(1, jobs // len(problem.tests)) if kind is Equilibria else 1
         self._chunks = [(t, slice(i, None, shares)) for t, test in enumerate(problem.tests)
                         for i in range(min(shares, len(test.times)))]
-        self.workers = Workers([Equilibria(problem.tests[t].rows(rows), problem.unknowns)
+        self.workers = Workers([kind(problem.tests[t].rows(rows), problem.unknowns)
                                 for t, rows in self._chunks], jobs)
         self._method = "start"
         self._slopes_at = None
@@ -123,18 +123,34 @@ def start_at(method, problem, q):
                      f"start and at both ends fail; at the start: {why}")
 
 
+class _Converged(Exception):
+    """The next evaluation would change nothing."""
+
+
 class _Cached:
     """An evaluation per q, as SciPy asks for residuals and derivatives one after the other."""
 
     def __init__(self, method, record):
         self._method, self._record = method, record
+        self._loss, self._little = record.problem.loss, record.problem.tolerance
         self._last = None
 
     def at(self, q):
         if self._last is None or not numpy.array_equal(self._last.q, q):
+            if self._promises_little(q):
+                raise _Converged
             self._last = self._method.at(q)
             self._record.add(self._last)
         return self._last
+
+    def _promises_little(self, q):
+        """Whether the linear model expects chi2 to stay as it is where the optimiser goes from the
+        best place."""
+        best = self._record.best
+        if self._loss != "linear" or best is not self._last or len(self._record.history) < 2:
+            return False
+        expected = best.residuals + best.jacobian @ (q - best.q)
+        return best.chi2 - expected @ expected < self._little * best.chi2
 
     def residuals(self, q):
         try:
@@ -160,10 +176,13 @@ def _least_squares(problem, q, method, record):
         first = start_at(method, problem, q)
         require_effect(first, problem.unknowns.labels)
         cached.keep(first)
-        found = scipy.optimize.least_squares(
-            cached.residuals, q, cached.jacobian, bounds=(0, 1), x_scale="jac", loss=problem.loss,
-            ftol=10 * problem.tolerance, xtol=problem.tolerance, gtol=1e-12,
-            max_nfev=problem.most_evaluations)
+        try:
+            found = scipy.optimize.least_squares(
+                cached.residuals, q, cached.jacobian, bounds=(0, 1), x_scale="jac",
+                loss=problem.loss, ftol=10 * problem.tolerance, xtol=problem.tolerance, gtol=1e-12,
+                max_nfev=problem.most_evaluations)
+        except _Converged:
+            return "converged", "chi2 can no longer change"
     reasons = {1: "the gradient is zero", 2: "chi2 no longer changes",
                3: "the values no longer change", 4: "neither chi2 nor the values change"}
     if found.status in reasons:
@@ -192,14 +211,12 @@ def _better_start(problem, q, jobs):
 
 def fit_values(problem, q, jobs, record):
     """(outcome, reason)."""
-    if problem.unknowns.are_of_models:
+    for kind in (Equilibria, Followed) if problem.unknowns.are_of_models else (Followed,):
         try:
-            if not record.goes_on:
+            if kind is Equilibria and not record.goes_on:
                 q = _better_start(problem, q, jobs)
-            return _least_squares(problem, q, Derivatives(problem, jobs), record)
+            return _least_squares(problem, q, Derivatives(problem, jobs, kind=kind), record)
         except NoDerivatives as error:
             reason = str(error)
-    else:
-        reason = "not only parameters of models are fitted"
     warnings.warn(f"the fit uses differences of whole runs: {reason}", stacklevel=3)
     return _least_squares(problem, q, Differences(problem, jobs), record)

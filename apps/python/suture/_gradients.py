@@ -155,26 +155,28 @@ def place_of(sim, model):
     return sim.parameters[model]._place
 
 
-def _directions(sim, place, parameter, per):
-    """Weights of the values of a parameter, one row for each number that is asked for; a single
-    row without an axis for one number."""
+def directions_of(sim, model, parameter, per):
+    """(place of the model, weights of the values of a parameter): one row for each number that is
+    asked for; a single row without an axis for one number; None for each value."""
+    place = place_of(sim, model)
+    per = usual_per(sim, model, parameter) if per is None else per
     count = sim._parameter_values(place, parameter)
     if isinstance(per, str) and per == "value":
-        return numpy.ones(max(count, 1))
+        return place, numpy.ones(max(count, 1))
     if count == 0:
         raise ValueError(f"the parameter {parameter!r} is the same in all elements, so per must be "
                          "'value'")
     if isinstance(per, str):
         if per != "element":
             raise ValueError(f"per must be 'value', 'element' or an array of regions; is {per!r}")
-        return numpy.eye(count)
+        return place, None
     regions = numpy.asarray(per)
     if regions.shape != (count,) or not numpy.issubdtype(regions.dtype, numpy.integer):
         raise ValueError(f"regions must be {count} integers, one per row of the model's elements; "
                          f"has the shape {regions.shape} and the dtype {regions.dtype}")
     if regions.min(initial=0) < -1:
         raise ValueError("regions must be numbers from 0, or -1 for none")
-    return (regions == numpy.arange(regions.max() + 1)[:, None]).astype(float)
+    return place, (regions == numpy.arange(regions.max() + 1)[:, None]).astype(float)
 
 
 def usual_per(sim, model, parameter):
@@ -183,28 +185,16 @@ def usual_per(sim, model, parameter):
     return "element" if isinstance(value, numpy.ndarray) else "value"
 
 
-def gradient_by(sim, model, parameter, per, along, each):
-    """dJ/dp, see Adjoint.gradient(): along(place, weights) gives it in a direction, each(place) by
-    every value."""
-    place = place_of(sim, model)
-    per = usual_per(sim, model, parameter) if per is None else per
-    if isinstance(per, str) and per == "value":
-        return along(place, _directions(sim, place, parameter, per))
-    if isinstance(per, str) and per == "element" and sim._parameter_values(place, parameter):
-        return each(place)
-    return _directions(sim, place, parameter, per) @ each(place)
-
-
-def adjoint_of(sim, objective, tolerance, every_step):
+def adjoint_of(sim, objective, tolerance, every_step, wrt=(), moments=False, then=None):
     """That of the kept steps, if there are any, or of the equilibrium. Errors add up over steps, so
     the usual tolerance is smaller."""
     if sim._kept_steps() is not None:
         from ._run_gradients import RunAdjoint
 
-        return RunAdjoint(sim, objective, tolerance or 1e-9, every_step)
-    if every_step:
-        raise ValueError("every_step is for the steps that keep_steps() keeps; call it before the "
-                         "run")
+        return RunAdjoint(sim, objective, tolerance or 1e-9, every_step, wrt, moments, then)
+    if every_step or moments or then is not None:
+        raise ValueError("every_step, moments and then are for the steps that keep_steps() keeps; "
+                         "call it before the run")
     return Adjoint(sim, objective, tolerance or 1e-6)
 
 
@@ -244,6 +234,13 @@ class Adjoint:
         return self._sim._along_rest(self._displacement, self._energy, self.load, self.motion,
                                      numpy.asarray(direction, float))
 
+    @property
+    def rest(self):
+        """dJ/d(rest position) of every vertex, (vertices, 3), as along_rest(). Costs as much as
+        some 160 forces of models that are built again."""
+        self._require_state()
+        return self._sim._by_rest(self._displacement, self._energy, self.load, self.motion)
+
     def gradient(self, model, parameter, per=None):
         """dJ/dp of a parameter of a model.
 
@@ -254,10 +251,11 @@ class Adjoint:
         """
         self._require_state()
         sim, about = self._sim, (self.load, self._energy)
-        return gradient_by(
-            sim, model, parameter, per,
-            along=lambda place, weights: sim._gradient_along(place, parameter, *about, weights),
-            each=lambda place: sim._gradient(place, parameter, *about))
+        place, directions = directions_of(sim, model, parameter, per)
+        if directions is not None and directions.ndim == 1:
+            return sim._gradient_along(place, parameter, *about, directions)
+        each = sim._gradient(place, parameter, *about)
+        return each if directions is None else directions @ each
 
 
 class Sensitivity:
@@ -265,9 +263,9 @@ class Sensitivity:
     solve per number. With several, the arrays have a leading axis."""
 
     def __init__(self, sim, model, parameter, per, tolerance):
-        place = place_of(sim, model)
-        per = usual_per(sim, model, parameter) if per is None else per
-        directions = _directions(sim, place, parameter, per)
+        place, directions = directions_of(sim, model, parameter, per)
+        if directions is None:
+            directions = numpy.eye(sim._parameter_values(place, parameter))
         found = [self._along(sim, place, parameter, weights, tolerance)
                  for weights in numpy.atleast_2d(directions)]
         fields = [numpy.array(values) if directions.ndim == 2 else values[0]
@@ -302,13 +300,22 @@ def gradient(sim, objective, wrt, tolerance=None, every_step=False):
                "energy": dJ/dW})
     wrt        a list: (model, parameter) or (model, parameter, per), see Adjoint.gradient(); or the
                name of another derivative of the Adjoint: "load", "motion", "gravity"; of a
-               RunAdjoint: "load", "gravity", "initial_position", "initial_velocity"
+               RunAdjoint: "load", "gravity", "loads", "motions", "initial_position",
+               "initial_velocity"
     tolerance  relative residual of the linear solve, 1e-6, or of that of each step, 1e-9
     every_step the objective is that of the final state (False), or the sum over the kept steps
+
+    sim may be a list of simulations with kept steps, each of which starts where the one before has
+    ended, after a cut: see Simulation.adjoint(then=...).
     """
     if isinstance(wrt, tuple):
         raise TypeError(f"wrt must be a list, such as [{wrt!r}]")
-    adjoint = adjoint_of(sim, objective, tolerance, every_step)
+    runs = [sim] if not isinstance(sim, (list, tuple)) else sim
+    names = {name for name in wrt if isinstance(name, str)}
+    adjoint = None
+    for run in reversed(runs):
+        adjoint = adjoint_of(run, objective, tolerance, every_step, wrt,
+                             moments=bool({"loads", "motions"}.intersection(names)), then=adjoint)
     return adjoint.value, [getattr(adjoint, name) if isinstance(name, str)
                            else adjoint.gradient(*name) for name in wrt]
 

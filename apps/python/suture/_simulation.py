@@ -285,13 +285,18 @@ class Simulation(_suture.Simulation):
 
     # ---- derivatives ----
 
-    def adjoint(self, objective, tolerance=None, every_step=False):
+    def adjoint(self, objective, tolerance=None, every_step=False, wrt=(), moments=False,
+                then=None):
         """The derivative of an objective by everything that determines it: an Adjoint of this
         equilibrium, or a RunAdjoint of the run since keep_steps(). Raises InputError with the reason
-        where there is none. See suture.gradient() for the arguments."""
+        where there is none. See suture.gradient() for the other arguments. Of a run:
+
+        moments  also keep the derivatives by loads and motions at each moment (loads, motions)
+        then     the RunAdjoint of a simulation that went on from here, after a cut
+        """
         from ._gradients import adjoint_of
 
-        return adjoint_of(self, objective, tolerance, every_step)
+        return adjoint_of(self, objective, tolerance, every_step, wrt, moments, then)
 
     def sensitivity(self, model, parameter, per=None, tolerance=1e-6):
         """The derivative of this equilibrium by a parameter of a model: a Sensitivity, whose cost

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Messages from and to the run, and everything on the page beside the picture.
-import { Picture, colour_at } from './scene.js';
+import { colour_at } from './look.js';
+import { Picture } from './scene.js';
 import { follow_mouse } from './hands.js';
 import { show_values } from './panel.js';
 import { Plots } from './plots.js';
 import { Video, save_picture, save_text } from './save.js';
-import { Color } from './three/build/three.module.js';
 
 const $ = (selector) => document.querySelector(selector);
 const picture = new Picture($('#picture'));
@@ -54,7 +54,8 @@ function take_message(buffer) {
 
 // The next picture may come while this one is drawn.
 picture.before_drawing = () => {
-  show_force();
+  show_force(live.state?.hand, $('#force'));
+  show_force(live.state?.device, $('#device-force'));
   if (!is_awaited) return;
   is_awaited = false;
   ++live.drawn;
@@ -115,12 +116,12 @@ function show_numbers(head) {
   $('#legend-bottom').textContent = digits(picture.range[0], 3);
 }
 
-function show_force() {
-  const hand = live.state?.hand, text = $('#force');
-  text.style.visibility = hand ? 'visible' : 'hidden';
-  if (!hand) return;
-  const [x, y] = picture.on_canvas(from_scene(hand.place));
-  text.textContent = `${digits(Math.hypot(...hand.force), 3)} N`;
+// The force on what is held, beside it.
+function show_force(held, text) {
+  text.style.visibility = held ? 'visible' : 'hidden';
+  if (!held) return;
+  const [x, y] = picture.on_canvas(from_scene(held.place));
+  text.textContent = `${digits(Math.hypot(...held.force), 3)} N`;
   text.style.left = `${x + 14}px`;
   text.style.top = `${y - 8}px`;
 }
@@ -143,9 +144,9 @@ function show_message(kind, text) {
 }
 
 function draw_legend() {
-  const canvas = $('#legend canvas'), pen = canvas.getContext('2d'), colour = new Color();
+  const canvas = $('#legend canvas'), pen = canvas.getContext('2d');
   for (let y = 0; y < canvas.height; ++y) {
-    pen.fillStyle = '#' + colour_at(1 - y / (canvas.height - 1), colour).getHexString();
+    pen.fillStyle = `rgb(${colour_at(1 - y / (canvas.height - 1)).join()})`;
     pen.fillRect(0, y, canvas.width, 1);
   }
 }
@@ -158,9 +159,20 @@ const in_scene = (point) => point.toArray().map((x, axis) => x + live.greeting.o
 const from_scene = (place) => place.map((x, axis) => x - live.greeting.origin[axis]);
 const apply = (event) => { if (live.control) send({ do: 'apply', event }); };
 
-// A mouse moves more often than a hand needs to know.
+// A mouse moves more often than a hand needs to know; where it stops counts.
 const drag_interval = 30;  // ms
-let dragged = 0;
+let dragged = 0, drag_timer = 0;
+
+function send_drag(point) {
+  clearTimeout(drag_timer);
+  const rest = dragged + drag_interval - performance.now();
+  if (rest > 0) {
+    drag_timer = setTimeout(send_drag, rest, point);
+    return;
+  }
+  dragged = performance.now();
+  send({ do: 'drag', to: in_scene(point) });
+}
 
 const hands = {
   is_path: () => $('#cut').value === 'path',
@@ -188,11 +200,10 @@ const hands = {
     if (live.control) send({ do: 'grab', at: in_scene(point) });
   },
   drag(point) {
-    if (!live.control || performance.now() - dragged < drag_interval) return;
-    dragged = performance.now();
-    send({ do: 'drag', to: in_scene(point) });
+    if (live.control) send_drag(point);
   },
   let_go() {
+    clearTimeout(drag_timer);
     if (live.control) send({ do: 'let_go' });
   },
 };
@@ -214,6 +225,7 @@ $('#reset').onclick = () => send({ do: 'reset' });
 $('#back').onclick = () => send({ do: 'back' });
 $('#keep').onclick = () => send({ do: 'keep' });
 $('#kept').onchange = (event) => send({ do: 'back', to: Number(event.target.value) });
+$('#checkpoint').onclick = () => send({ do: 'checkpoint' });
 $('#scene').onclick = () => send({ do: 'scene' });
 $('#save-picture').onclick = () => save_picture(picture.canvas, file_name());
 $('#save-video').onclick = toggle_video;
@@ -221,7 +233,7 @@ $('#speed').onchange = (event) => send({ do: 'speed', value: Number(event.target
 $('#field').onchange = (event) => send({ do: 'field', name: event.target.value });
 $('#ghost').onchange = (event) => { picture.ghost.visible = event.target.checked; picture.draw(); };
 $('#show-side').onchange = (event) => { $('#side').classList.toggle('open', event.target.checked); plots.draw(); };
-$('#edges').onchange = (event) => { picture.edges.visible = event.target.checked; picture.draw(); };
+$('#edges').onchange = (event) => { picture.shows_edges = event.target.checked; picture.draw(); };
 $('#clip').onchange = clip;
 $('#clip-at').oninput = clip;
 document.addEventListener('keydown', (event) => {

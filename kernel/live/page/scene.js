@@ -2,29 +2,17 @@
 //
 // The picture: body, edges, obstacles and camera, drawn when something has changed.
 import * as THREE from './three/build/three.module.js';
+import { Force, Pen } from './held.js';
+import { body_material, is_drawn_by_software, no_value, shared_uniforms } from './look.js';
 
-// Viridis at nine places.
-const colours = [0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c, 0x28ae80, 0x5ec962, 0xaddc30, 0xfde725]
-  .map((hex) => new THREE.Color(hex));
-const no_value = new THREE.Color(0x999999);
-
-// The colour at a part from 0 to 1 of the range.
-export function colour_at(part, out) {
-  if (!Number.isFinite(part)) return out.copy(no_value);
-  const at = Math.min(Math.max(part, 0), 1) * (colours.length - 1);
-  const below = Math.min(Math.floor(at), colours.length - 2);
-  return out.copy(colours[below]).lerp(colours[below + 1], at - below);
-}
-
-// One that differs from those of the numbers before: turned by the golden section of the circle.
-function colour_of(number, out) {
-  return out.setHSL((0.6 + number * 0.618034) % 1, 0.55, 0.55);
-}
+// Shorter edges of elements only darken the picture, pixels.
+const shortest_edge = 4;
 
 export class Picture {
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !is_drawn_by_software(),
+      preserveDrawingBuffer: true });
     this.renderer.setClearColor(0xfafafa);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.01, 100);
@@ -37,26 +25,20 @@ export class Picture {
     this.radius = 0;  // of the body when it was first seen
     this.range = [0, 0];
     this.obstacles = [];
+    this.shows_edges = true;
     this.add_body();
-    this.arrow = new THREE.ArrowHelper(this.up, this.middle, 1, 0xcc0000);
-    this.arrow.visible = false;
-    for (const part of [this.arrow.line, this.arrow.cone]) {
-      part.material.depthTest = false;  // it often points into the body
-      part.renderOrder = 1;
-    }
-    this.scene.add(this.arrow);
+    this.force = new Force(this.scene, 0xcc0000);
+    this.device_force = new Force(this.scene, 0x1155cc);
+    this.pen = new Pen(this.scene, 0x1155cc);
     this.before_drawing = () => {};
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
   add_body() {
-    const look = { vertexColors: THREE.VertexColors || true, flatShading: true, side: THREE.DoubleSide,
-      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.positions = null;
-    this.body = new THREE.Mesh(new THREE.BufferGeometry(), [
-      new THREE.MeshPhongMaterial({ ...look, shininess: 8 }),
-      new THREE.MeshPhongMaterial({ ...look, color: 0xff9a8a, shininess: 8 }),  // laid open
-    ]);
+    this.look = shared_uniforms();
+    this.body = new THREE.Mesh(new THREE.BufferGeometry(),
+      [body_material(this.look, 0xffffff), body_material(this.look, 0xff9a8a)]);  // the latter: laid open
     this.ghost = new THREE.LineSegments(new THREE.BufferGeometry(),
       new THREE.LineBasicMaterial({ color: 0x4466aa, transparent: true, opacity: 0.25 }));
     this.ghost.visible = false;
@@ -75,6 +57,7 @@ export class Picture {
     const g = greeting.gravity;
     if (g.some((x) => x !== 0)) this.up.set(-g[0], -g[1], -g[2]).normalize();
     this.origin = greeting.origin;
+    this.edge = greeting.edge;
     for (const old of this.obstacles) this.scene.remove(old);
     this.obstacles = greeting.obstacles.map((given) => {
       const geometry = new THREE.BufferGeometry();
@@ -92,12 +75,12 @@ export class Picture {
   set_surface(head, triangles, edges, rest) {
     this.surface = head.surface;
     this.positions = new THREE.BufferAttribute(new Float32Array(3 * head.points), 3);
-    this.vertex_colours = new THREE.BufferAttribute(new Float32Array(3 * head.points), 3);
+    this.values = new THREE.BufferAttribute(new Float32Array(head.points), 1);
     const outside = 3 * (head.triangles - head.laid_open);
     this.body.geometry.dispose();
     this.body.geometry = new THREE.BufferGeometry();
     this.body.geometry.setAttribute('position', this.positions);
-    this.body.geometry.setAttribute('color', this.vertex_colours);
+    this.body.geometry.setAttribute('value', this.values);
     this.body.geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
     this.body.geometry.addGroup(0, outside, 0);
     this.body.geometry.addGroup(outside, 3 * head.laid_open, 1);
@@ -120,16 +103,11 @@ export class Picture {
     if (head.field !== this.field || head.step === 0) this.range = head.range;
     this.field = head.field;
     this.range = [Math.min(this.range[0], head.range[0]), Math.max(this.range[1], head.range[1])];
-    const [low, high] = this.range, colour = new THREE.Color(), out = this.vertex_colours.array;
-    const is_number = head.field === 'island';  // of a piece
-    for (let i = 0; i < values.length; ++i) {
-      if (is_number) colour_of(values[i], colour);
-      else colour_at(high > low ? (values[i] - low) / (high - low) : 0, colour);
-      out[3 * i] = colour.r;
-      out[3 * i + 1] = colour.g;
-      out[3 * i + 2] = colour.b;
-    }
-    this.vertex_colours.needsUpdate = true;
+    this.look.range.value.set(...this.range);
+    this.look.is_number.value = head.field === 'island';  // of a piece
+    for (let i = 0; i < values.length; ++i)
+      this.values.array[i] = Number.isFinite(values[i]) ? values[i] : no_value;
+    this.values.needsUpdate = true;
     head.poses.forEach((p, i) => {
       const mesh = this.obstacles[i];
       if (!mesh) return;
@@ -138,7 +116,7 @@ export class Picture {
     });
     this.show_blades(head.blades);
     if (this.radius === 0) this.look_at_body(positions);
-    this.show_force(head.hand);
+    this.show_held(head.hand, head.device);
     this.draw();
   }
 
@@ -148,16 +126,11 @@ export class Picture {
     this.blades.geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(ends), 3));
   }
 
-  // The force of a hand, in parts of the largest that it had.
-  show_force(hand) {
-    if (!hand) this.largest_force = 0;
-    this.arrow.visible = Boolean(hand);
-    if (!hand) return;
-    const force = new THREE.Vector3(...hand.force), size = force.length();
-    this.largest_force = Math.max(this.largest_force, size);
-    this.arrow.position.set(...hand.place.map((x, axis) => x - this.origin[axis]));
-    this.arrow.setDirection(size > 0 ? force.normalize() : this.up);
-    this.arrow.setLength(Math.max(0.5 * this.radius * size / (this.largest_force || 1), 1e-3 * this.radius));
+  show_held(hand, device) {
+    const place = (held) => held && new THREE.Vector3(...held.place.map((x, axis) => x - this.origin[axis]));
+    this.force.show(hand, place(hand), 0.5 * this.radius);
+    this.device_force.show(device, place(device), 0.5 * this.radius);
+    this.pen.show(device, place(device), this.up, 0.15 * this.radius);
   }
 
   // ---- camera ----
@@ -288,6 +261,12 @@ export class Picture {
     this.draw();
   }
 
+  // The length of something in the middle of the picture, in pixels.
+  pixels(length) {
+    const distance = this.camera.position.distanceTo(this.middle);
+    return length * this.canvas.height / (2 * distance * Math.tan(this.camera.fov * Math.PI / 360));
+  }
+
   // ---- drawing ----
 
   resize() {
@@ -305,6 +284,7 @@ export class Picture {
     requestAnimationFrame(() => {
       this.is_due = false;
       this.before_drawing();
+      this.edges.visible = this.shows_edges && this.pixels(this.edge) >= shortest_edge;
       this.renderer.render(this.scene, this.camera);
     });
   }

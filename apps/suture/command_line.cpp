@@ -320,8 +320,9 @@ struct Parser {
     sub.add_option(
            "--level", new_model.level,
            "law: a solid, from its energy density (default); springs, nodes, faces: forces of "
-           "edges, nodes, faces; batches, c: eight cells at a time, in C++ or C")
-        ->type_name("law|springs|nodes|faces|batches|c");
+           "edges, nodes, faces; field: an unknown on vertices; batches, c: eight cells at a "
+           "time, in C++ or C")
+        ->type_name("law|springs|nodes|faces|field|batches|c");
     sub.add_option("-o,--output", new_model.output,
                    "folder to put it into; default: the current one")
         ->type_name("DIR");

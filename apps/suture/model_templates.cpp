@@ -92,6 +92,36 @@ struct @Struct@ : suture::model, suture::on_edges {
 SUTURE_PLUGIN("@id@", "1.0", "MIT", "Springs along edges", @Struct@)
 )model";
 
+constexpr std::string_view diffusion = R"model(// SPDX-License-Identifier: MIT
+#include "suture/diffusion.hpp"
+
+/// A substance that spreads through the body. Laws on the same elements may read it.
+struct @Struct@ : suture::model, suture::on_volumes {
+  static constexpr const char *id = "@id@", *name = "diffusion", *doc = "Diffusion of a substance",
+                              *formula = "dc/dt = div(D grad c)",
+                              *citation = "A. Fick, Ann. Phys. 170, 1855, 59";
+  enum { diffusivity };
+  static constexpr suture::parameter parameters[] = {
+      suture::number("D", "m^2/s", "Diffusivity").above(0)};
+  static double capacity(const suture::values&) { return 1; }  // of a volume: moles per mol/m^3
+
+  static constexpr suture::column<0> concentration{};
+  static constexpr suture::attribute attributes[] = {
+      suture::vertex_field("concentration", "mol/m^3", "Moles per volume"),
+      suture::lumped_capacity<@Struct@>("volume", "m^3", "Volume of the nodes")};
+  static constexpr auto reads = SUTURE_READ_REST;
+  static constexpr auto rate_of = concentration;
+  static constexpr auto vertex_columns = suture::columns(concentration);
+
+  // What flows into each node per second: c.rate(node, ...), from c.field(node).
+  template <class Cell>
+  static void rate(const Cell& c) {
+    suture::diffuse(c, c.parameter(diffusivity));
+  }
+};
+SUTURE_PLUGIN("@id@", "1.0", "MIT", "Diffusion of a substance", @Struct@)
+)model";
+
 constexpr std::string_view cmake = R"(cmake_minimum_required(VERSION 3.25)
 project(@id@ LANGUAGES C CXX)
 find_package(Suture REQUIRED)
@@ -126,6 +156,9 @@ constexpr std::string_view stretched = R"(  "constraints": [
   ],)";
 constexpr std::string_view held = R"(  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],)";
 constexpr std::string_view falling = R"(  "gravity": [0, 0, -9.81],)";
+
+constexpr std::string_view soaked = R"(  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
+  "fields": [{"field": "concentration", "fix": 1, "where": {"set": "x0"}}],)";
 
 constexpr std::string_view readme = R"(# @id@
 
@@ -168,6 +201,7 @@ std::span<const ModelLevel> model_levels() {
       {"nodes", "model.cpp", templates::nodes, R"({"k": 100, "gap": 0.01, "c": 1})", solid,
        falling},
       {"faces", "model.cpp", templates::faces, R"({"p": 1000, "ramp": 0.5})", solid, held},
+      {"field", "model.cpp", diffusion, R"({"D": 0.01})", solid, soaked},
       {"batches", "model.cpp", templates::batches, R"({"c": 0.1})", solid, stretched},
       {"c", "model.c", templates::plain_c, R"({"k": 10, "c": 0.01})", solid, stretched}};
   return levels;

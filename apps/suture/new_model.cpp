@@ -69,8 +69,8 @@ const ModelLevel& find_level(const std::string& name) {
     if (level.name == name) return level;
     names.emplace_back(level.name);
   }
-  throw UsageError("--level must be law, springs, nodes, faces, batches or c, is " + quote(name) +
-                   did_you_mean(name, names));
+  throw UsageError("--level must be law, springs, nodes, faces, field, batches or c, is " +
+                   quote(name) + did_you_mean(name, names));
 }
 
 std::string replaced(std::string text, const std::string& what, std::string_view by) {

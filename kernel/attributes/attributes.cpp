@@ -19,9 +19,6 @@ namespace {
 /// them, and its sums must be those of a fresh start.
 constexpr double volume_tolerance = 1e-13;
 
-/// The kernel's columns of vertices; their merges are merging.hpp's VertexMerge.
-constexpr std::size_t own_columns = 6;
-
 Column& add_column(Table& table, const char* name, const char* unit, const char* doc,
                    int components, suture_policy policy) {
   ColumnSpec spec;
@@ -94,16 +91,58 @@ void Attributes::require_parallelepiped(const RestPlaces& rest, Index element,
 Instance& Attributes::add(std::unique_ptr<Instance> instance, CellComplex& complex,
                           std::vector<Index> elements) {
   instance->build(complex, rest_places(complex), std::move(elements));
+  share_columns(*instance);
   if (complex.has_edges()) kernel(1).cells = all_cells(complex, 1);
   if (complex.has_faces()) kernel(2).cells = all_cells(complex, 2);
   return *instances_.emplace_back(std::move(instance));
+}
+
+/// The columns of the kernel that hold attributes of the instance.
+void Attributes::share_columns(Instance& instance) {
+  const suture_model& model = instance.model();
+  VertexField* last = nullptr;
+  for (std::uint32_t a = 0; a < model.attribute_count; ++a) {
+    const suture_attribute& attribute = model.attributes[a];
+    if ((attribute.flags & SUTURE_SHARED_MASS) != 0) instance.share(a, *mass_);
+    if ((attribute.flags & SUTURE_FIELD) != 0)
+      instance.share(a, *(last = &declare(attribute, instance))->values);
+    if ((attribute.flags & SUTURE_CAPACITY) == 0) continue;
+    if (!last->capacity) last->capacity = &kernel(0).add(spec_of(attribute));
+    instance.share(a, *last->capacity);
+  }
+}
+
+VertexField& Attributes::declare(const suture_attribute& attribute, const Instance& instance) {
+  const auto known = std::ranges::find(fields_, attribute.name, &VertexField::name);
+  if (known == fields_.end())
+    return fields_.emplace_back(
+        VertexField{attribute.name, attribute.unit, &kernel(0).add(spec_of(attribute)), nullptr});
+  if (known->unit != attribute.unit || known->values->spec().initial != attribute.initial)
+    throw InputError(instance.title() + ": field '" + known->name + "' starts from " +
+                     std::to_string(attribute.initial) + ' ' + attribute.unit +
+                     ", but another model of this scene lets it start from " +
+                     std::to_string(known->values->spec().initial) + ' ' + known->unit +
+                     "; models that share a field must agree on both");
+  return *known;
+}
+
+VertexField* Attributes::field_of(const suture_model& model, const suture_functor& functor) {
+  if (functor.field == 0) return nullptr;
+  return &*std::ranges::find(fields_, model.attributes[functor.field - 1].name, &VertexField::name);
+}
+
+/// Of what all instances contribute to.
+void Attributes::clear_sums() {
+  mass_->fill(0);
+  for (const VertexField& field : fields_)
+    if (field.capacity) field.capacity->fill(0);
 }
 
 void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics) {
   sums_.reserve(complex);
   RestBatch rest(rest_places(complex), user_element);
   for (Table& table : kernel_) MergePolicies::weigh(table, kernel(3).cells, rest_places(complex));
-  mass_->fill(0);
+  clear_sums();
   for (const auto& instance : instances_) {
     for (Table& table : instance->tables())
       MergePolicies::weigh(table, instance->table(3).cells, rest_places(complex));
@@ -125,7 +164,7 @@ void Attributes::sum(Instance& instance, std::uint32_t number, const CellComplex
   const suture_attribute& attribute = instance.model().attributes[number];
   const auto dimension = static_cast<int>(attribute.dimension);
   Column* own = instance.column(number);
-  Column& column = own ? *own : *mass_;
+  Column& column = own ? *own : *instance.shared_column(number);
   const CellSet& cells = own ? instance.table(dimension).cells : kernel(0).cells;
   if (own && instance.skips() && fill_from_parameters(instance, attribute, complex, rest, column))
     return;
@@ -161,7 +200,7 @@ void Attributes::have_changed(Instance& instance, const CellComplex& complex,
 
 void Attributes::sum_again(Instance& instance, const CellComplex& complex) {
   RestBatch rest(rest_places(complex), user_element);
-  mass_->fill(0);
+  clear_sums();
   for (const auto& other : instances_)
     for_each_sum(*other, [&](std::uint32_t a, const suture_attribute& attribute) {
       if (other.get() == &instance)
@@ -176,12 +215,12 @@ void Attributes::apply(const CellComplex& complex, const TopologyChange& change)
   ++operations_;
   add_copies(complex, change.copies);
   merge_vertices(complex, change);  // then elements have the right rest places
-  follow(kernel_, complex, change, own_columns);
+  follow(kernel_, complex, change, kernel(0).columns.size());  // merged above
   clear_vertices(change);
   RestBatch rest(rest_places(complex), user_element);
   for (const auto& instance : instances_) {
     follow(instance->tables(), complex, change);
-    sums_.sum(*instance, complex, rest, change, *mass_);
+    sums_.sum(*instance, complex, rest, change);
   }
   sums_.clear(change);
 }
@@ -215,6 +254,8 @@ void Attributes::merge_vertices(const CellComplex& complex, const TopologyChange
   vertex_weights_.clear();
   for (const auto& [kept, gone] : change.merges[0])
     vertex_weights_.push_back({mass_->get(kept, 0), mass_->get(gone, 0)});
+  for (const VertexField& field : fields_)
+    merge_values(*field.values, field.capacity ? *field.capacity : *mass_, change.merges[0]);
   VertexMerge{*rest_, *position_, *velocity_, *fixed_, own_rest_, parts_}.apply(complex, change,
                                                                                 vertex_weights_);
 }
@@ -226,11 +267,16 @@ void Attributes::clear_vertices(const TopologyChange& change) {
   for (const Index vertex : change.removed[0]) clear_vertex(vertex);
   for (const Index element : change.removed[3]) own_rest_.remove(element);
   for (const Index vertex : change.stars[0].cells) mass_->rows()[vertex] = 0;
+  for (const VertexField& field : fields_)
+    for (const Index vertex : change.stars[0].cells)
+      if (field.capacity) field.capacity->rows()[vertex] = 0;
 }
 
 void Attributes::clear_vertex(Index vertex) {
   for (Column* column : {velocity_, force_, mass_, fixed_})
     for (int c = 0; c < column->spec().components; ++c) column->set(vertex, c, 0);
+  for (const VertexField& field : fields_)
+    if (field.capacity) field.capacity->set(vertex, 0, 0);
 }
 
 namespace {

@@ -13,6 +13,7 @@
 #include "kernel/attributes/policies.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/attributes/touched.hpp"
+#include "kernel/attributes/vertex_field.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
@@ -23,10 +24,9 @@ class Archive;
 /// instance. apply() is the one place where values follow an operation.
 ///
 /// Memory of the kernel's columns per vertex: 4 x 32 B (rest, position, velocity,
-/// force) + 8 B mass + 8 B fixed = 144 B; a bit per vertex, edge and face for the
-/// sums after an operation; 4 B per element once a region or a SHARE column needs it;
-/// 8 B per row of a table with a SHARE column; after the first removal or merge, a bit
-/// per row.
+/// force) + 8 B mass + 8 B fixed = 144 B, and 16 B per field; a bit per vertex, edge and face for
+/// the sums after an operation; 4 B per element once a region or a SHARE column needs it; 8 B per
+/// row of a table with a SHARE column; after the first removal or merge, a bit per row.
 class Attributes {
  public:
   /// Kernel columns from the imported mesh: rest position = position, velocity,
@@ -36,7 +36,7 @@ class Attributes {
 
   /// Adds an instance on `elements` (ascending; empty = all elements), and builds its
   /// columns, its cell sets for the dimensions that its model uses and, in `complex`,
-  /// the ids that these need.
+  /// the ids that these need. Throws InputError for a field that another model declares otherwise.
   Instance& add(std::unique_ptr<Instance> instance, CellComplex& complex,
                 std::vector<Index> elements);
 
@@ -96,6 +96,12 @@ class Attributes {
   Column& fixed() { return *fixed_; }                   ///< rows of 1
   Index vertex_count() const { return mass_->size(); }  ///< rows, dead ones included
 
+  /// The unknowns on vertices that models declare, in the order of their first declaration.
+  std::deque<VertexField>& fields() { return fields_; }
+  const std::deque<VertexField>& fields() const { return fields_; }
+  /// That of a functor whose `force` is its rate; nullptr for one that computes forces.
+  VertexField* field_of(const suture_model& model, const suture_functor& functor);
+
   /// The rest positions of elements; the column rest() alone ignores elements that have
   /// separate rest positions. The accessor refers to both and to `complex`.
   RestPlaces rest_places(const CellComplex& complex) const {
@@ -121,6 +127,9 @@ class Attributes {
   std::span<const Index> user_element;
 
  private:
+  void share_columns(Instance& instance);
+  VertexField& declare(const suture_attribute& attribute, const Instance& instance);
+  void clear_sums();
   void have_changed(Instance& instance, const CellComplex& complex, Diagnostics& diagnostics);
   void sum(Instance& instance, std::uint32_t number, const CellComplex& complex, RestBatch& rest,
            std::span<const double> uniform);
@@ -138,6 +147,7 @@ class Attributes {
   std::array<Table, 4> kernel_;
   std::vector<std::unique_ptr<Instance>> instances_;
   Column *rest_, *position_, *velocity_, *force_, *mass_, *fixed_;
+  std::deque<VertexField> fields_;
   TouchedElements touched_;
   OwnRest own_rest_;
   ElementParts parts_;

@@ -166,11 +166,14 @@ void Attributes::state(Archive& archive) {
 /// Operations change the others of the kernel's columns only.
 void Attributes::kernel_tables(Archive& archive) {
   archive.each("kernel", kernel_, cells_of_table);
-  for (Column* column : {rest_, mass_, fixed_}) {
-    archive(column->spec().name.c_str(), *column);
-    archive.require(column->size() == kernel(0).cells.size(),
+  const auto summed = [&](Column& column) {
+    archive(column.spec().name.c_str(), column);
+    archive.require(column.size() == kernel(0).cells.size(),
                     "a column has a different number of rows");
-  }
+  };
+  for (Column* column : {rest_, mass_, fixed_}) summed(*column);
+  for (const VertexField& field : fields_)
+    if (field.capacity) summed(*field.capacity);
   for (Column* column : {position_, velocity_, force_}) column->resize(kernel(0).cells.size());
   archive("own_rest", own_rest_);
   if (parts_.may_grow()) archive("parts", parts_);
@@ -178,6 +181,11 @@ void Attributes::kernel_tables(Archive& archive) {
 
 void Attributes::motion(Archive& archive) {
   pack_rows<2>(archive, "motion", {position_, velocity_});
+  for (const VertexField& field : fields_) {
+    archive(("field " + field.name).c_str(), *field.values);
+    archive.require(field.values->size() == kernel(0).cells.size(),
+                    "a field has a different number of rows");
+  }
 }
 
 /// Those of sleepers, or of a state whose step is to come; mostly there are none.

@@ -10,6 +10,18 @@
 
 namespace suture {
 
+ColumnSpec spec_of(const suture_attribute& attribute) {
+  ColumnSpec spec;
+  spec.name = attribute.name;
+  spec.unit = attribute.unit;
+  spec.doc = attribute.doc;
+  spec.components = static_cast<int>(attribute.components);
+  spec.policy = static_cast<suture_policy>(attribute.policy);
+  spec.initial = attribute.initial;
+  spec.flags = attribute.flags;
+  return spec;
+}
+
 Column::Column(ColumnSpec spec, int dimension)
     : spec_(std::move(spec)),
       dimension_(dimension),

@@ -32,6 +32,9 @@ struct ColumnSpec {
   std::function<void(Column&, Index old_row, Index new_row)> on_split;
 };
 
+/// That of a plugin's attribute.
+ColumnSpec spec_of(const suture_attribute& attribute);
+
 /// One attribute of the cells of one dimension, contiguous doubles.
 ///
 /// Vertices (dimension 0) are stored in rows: `stride()` doubles per vertex, which is 4

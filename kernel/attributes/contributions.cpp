@@ -68,7 +68,7 @@ suture_contribution_fn function_of(const suture_attribute& attribute) {
 /// those of a mass not negative.
 void require_values(const PluginCall& call, const double* out) {
   const suture_attribute& attribute = *call.attribute;
-  const bool is_mass = (attribute.flags & SUTURE_SHARED_MASS) != 0;
+  const bool is_mass = (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_CAPACITY)) != 0;
   constexpr double most = std::numeric_limits<double>::max();
   const double least = is_mass ? 0 : -most;
   const std::size_t count = contribution_cells[attribute.dimension] * attribute.components;
@@ -79,7 +79,7 @@ void require_values(const PluginCall& call, const double* out) {
       throw PluginError(describe(call) + ": element " + std::to_string(call.batch->cell_ids[lane]) +
                         " gives " + std::to_string(value) + " " + attribute.unit +
                         "; a contribution must be " +
-                        (is_mass ? "finite and, as a mass, not negative" : "finite"));
+                        (is_mass ? "finite and, as a mass or capacity, not negative" : "finite"));
     }
 }
 
@@ -267,8 +267,8 @@ void TouchedSums::clear(const TopologyChange& change) {
 }
 
 void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
-                      const TopologyChange& change, Column& mass) {
-  find_targets(instance, change, mass);
+                      const TopologyChange& change) {
+  find_targets(instance, change);
   sum_uniform<0>(instance, change, rest.parts());
   sum_uniform<1>(instance, change, rest.parts());
   sum_uniform<2>(instance, change, rest.parts());
@@ -285,7 +285,7 @@ void TouchedSums::sum(Instance& instance, const CellComplex& complex, RestBatch&
     for (const Target& target : targets) target.column->pad();
 }
 
-void TouchedSums::find_targets(Instance& instance, const TopologyChange& change, Column& mass) {
+void TouchedSums::find_targets(Instance& instance, const TopologyChange& change) {
   const suture_model& model = instance.model();
   for (auto& targets : targets_) targets.clear();
   for (auto& targets : uniform_targets_) targets.clear();
@@ -295,7 +295,7 @@ void TouchedSums::find_targets(Instance& instance, const TopologyChange& change,
     if (!instance.needs(a)) continue;
     if (change.stars[attribute.dimension].cells.empty()) continue;
     Column* own = instance.column(a);
-    Column& column = own ? *own : mass;
+    Column& column = own ? *own : *instance.shared_column(a);
     column.expand();
     const std::span<const double> values = uniform(instance, attribute);
     auto& targets = values.empty() ? targets_ : uniform_targets_;
@@ -334,7 +334,7 @@ void TouchedSums::Target::sum_uniform(const Stars& stars, const CellSet& region,
       if (row == none) continue;
       double& value =
           values[(components == 1 ? row : column->offset(row)) + c * column->component_step()];
-      double sum = cells ? 0 : value;  // other instances have given to the mass
+      double sum = cells ? 0 : value;  // other instances have given to shared columns
       for (; dart < end; ++dart) {
         const Index element = *dart / darts;
         if (!everywhere && !region.contains(element)) continue;
@@ -347,7 +347,7 @@ void TouchedSums::Target::sum_uniform(const Stars& stars, const CellSet& region,
 }
 
 void TouchedSums::start(const Target& target, const TopologyChange& change) {
-  if (!target.cells) return;  // other instances have given to the mass
+  if (!target.cells) return;  // other instances have given to shared columns
   const Column& column = *target.column;
   for (const Index cell : change.stars[target.attribute->dimension].cells) {
     const Index row = target.cells->row(cell);

@@ -87,11 +87,11 @@ class TouchedSums {
                                   const suture_attribute& attribute) const;
 
   /// Sums all from_volumes attributes of the instance at the touched cells; its shares
-  /// are added to `mass`, whose touched rows the caller has set to zero. Each sum
+  /// are added to shared columns, whose touched rows the caller has set to zero. Each sum
   /// adds the same values in the same order as sum_contributions() on the complex
   /// after the operation: the same bits. O(cells and elements in the change).
   void sum(Instance& instance, const CellComplex& complex, RestBatch& rest,
-           const TopologyChange& change, Column& mass);
+           const TopologyChange& change);
   /// To be called after the last sum() for a change.
   void clear(const TopologyChange& change);
 
@@ -99,7 +99,7 @@ class TouchedSums {
   struct Target {
     const suture_attribute* attribute;
     Column* column;
-    const CellSet* cells;  ///< nullptr: rows of the kernel's mass, row = cell
+    const CellSet* cells;  ///< nullptr: of a shared column, row = cell
     double* values;
     std::size_t components;
     const double* uniform = nullptr;  ///< the contribution of every element
@@ -123,7 +123,7 @@ class TouchedSums {
   template <int Dimension>
   void sum_uniform(const Instance& instance, const TopologyChange& change,
                    const ElementParts& parts);
-  void find_targets(Instance& instance, const TopologyChange& change, Column& mass);
+  void find_targets(Instance& instance, const TopologyChange& change);
   static void start(const Target& target, const TopologyChange& change);
   void add_batch(Instance& instance, const CellComplex& complex, const RestBatch& rest,
                  std::span<const Index> elements);

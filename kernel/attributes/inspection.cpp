@@ -32,7 +32,8 @@ class InspectionBatch {
       cell_pointers_.push_back(cell_values_.back().data());
     }
     for (const std::uint32_t a : std::span(functor.vertex_columns, functor.vertex_column_count)) {
-      vertex_sources_.push_back(a == UINT32_MAX ? &mass : instance.column(a));
+      const Column* const shared = a == UINT32_MAX ? &mass : instance.shared_column(a);
+      vertex_sources_.push_back(shared ? shared : instance.column(a));
       vertex_values_.emplace_back(
           static_cast<std::size_t>(node_count_) *
           static_cast<std::size_t>(vertex_sources_.back()->spec().components) * lanes);
@@ -75,7 +76,8 @@ class InspectionBatch {
 
   void gather_vertex(std::size_t i, std::size_t n, Index vertex, Index lane) {
     const Column& source = *vertex_sources_[i];
-    const Index row = &source == &mass_ ? vertex : instance_.table(0).cells.row(vertex);
+    const bool is_shared = source.size() != instance_.table(0).cells.size();
+    const Index row = is_shared ? vertex : instance_.table(0).cells.row(vertex);
     const auto components = static_cast<std::size_t>(source.spec().components);
     for (std::size_t c = 0; c < components; ++c)
       vertex_values_[i][(n * components + c) * lanes + lane] = source.get(row, static_cast<int>(c));

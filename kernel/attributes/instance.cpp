@@ -29,18 +29,6 @@ const suture_host host = {sizeof(suture_host), SUTURE_ABI_MINOR, &report, &has_e
 // Behind the memory that a model asked for: one that stores more is found.
 constexpr double prepared_guard = 0x1.5afe5afe5afe5p-800;
 
-ColumnSpec spec_of(const suture_attribute& attribute) {
-  ColumnSpec spec;
-  spec.name = attribute.name;
-  spec.unit = attribute.unit;
-  spec.doc = attribute.doc;
-  spec.components = static_cast<int>(attribute.components);
-  spec.policy = static_cast<suture_policy>(attribute.policy);
-  spec.initial = attribute.initial;
-  spec.flags = attribute.flags;
-  return spec;
-}
-
 /// Cells of dimension 0..2 of the given elements, ascending.
 template <class CellsOf>
 std::vector<Index> incident_cells(const CellSet& region, Index cell_count, CellsOf cells_of) {
@@ -175,10 +163,11 @@ void Instance::choose_alternative(std::size_t number) {
 }
 
 void Instance::find_needed() {
-  constexpr std::uint32_t for_others = SUTURE_OUTPUT | SUTURE_SHARED_MASS | SUTURE_PARAMETER;
+  constexpr std::uint32_t for_others = SUTURE_OUTPUT | SUTURE_PARAMETER;
   needed_.clear();
   for (std::uint32_t a = 0; a < model_.attribute_count; ++a)
-    needed_.push_back(!skip_ || (model_.attributes[a].flags & for_others) != 0 || is_read(a));
+    needed_.push_back(!skip_ || is_of_kernel(model_.attributes[a]) ||
+                      (model_.attributes[a].flags & for_others) != 0 || is_read(a));
 }
 
 /// By a functor that runs, or by none at all: then it is there for others.
@@ -208,8 +197,7 @@ bool Instance::uses(int dimension) const {
   const auto d = static_cast<std::uint32_t>(dimension);
   for (std::uint32_t a = 0; a < model_.attribute_count; ++a) {
     const suture_attribute& attribute = model_.attributes[a];
-    const bool shares_mass = (attribute.flags & SUTURE_SHARED_MASS) != 0;
-    if (attribute.dimension == d && !shares_mass && needs(a)) return true;
+    if (attribute.dimension == d && !is_of_kernel(attribute) && needs(a)) return true;
   }
   for (std::uint32_t i = 0; i < model_.functor_count; ++i)
     if (model_.functors[i].dimension == d && enabled_[i].runs) return true;
@@ -260,9 +248,10 @@ void Instance::build(CellComplex& complex, const RestPlaces& rest, std::vector<I
   for (int d = 0; d < 3; ++d)
     if (uses(d)) table(d).cells = cells_of_region(complex, table(3).cells, d);
   columns_.clear();
+  shared_columns_.assign(model_.attribute_count, nullptr);
   for (std::uint32_t i = 0; i < model_.attribute_count; ++i) {
     const suture_attribute& a = model_.attributes[i];
-    const bool own = (a.flags & SUTURE_SHARED_MASS) == 0 && needs(i);
+    const bool own = !is_of_kernel(a) && needs(i);
     columns_.push_back(own ? &table(static_cast<int>(a.dimension)).add(spec_of(a)) : nullptr);
   }
   fill_columns();

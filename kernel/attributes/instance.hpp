@@ -22,6 +22,11 @@ namespace suture {
 /// if no cell was removed.
 CellSet all_cells(const CellComplex& complex, int dimension);
 
+/// Whether the values of an attribute are a column of the kernel, not of an instance.
+inline bool is_of_kernel(const suture_attribute& attribute) {
+  return (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_FIELD | SUTURE_CAPACITY)) != 0;
+}
+
 /// Values that a scene gives to a column of a model.
 struct GivenColumn {
   std::uint32_t attribute = 0;  ///< its place in the model's list
@@ -92,9 +97,14 @@ class Instance {
 
   std::span<Table, 4> tables() { return tables_; }
 
-  /// Column of an attribute by its position in model().attributes; nullptr for a
-  /// share of the kernel's mass (SUTURE_SHARED_MASS), and if it is not needed.
+  /// Column of an attribute by its position in model().attributes; nullptr for one that
+  /// instances share (is_of_kernel()), and if it is not needed.
   Column* column(std::uint32_t attribute) const { return columns_[attribute]; }
+  /// The kernel's column of an attribute that instances share, with a row per vertex: its mass, a
+  /// field or the capacity of one; nullptr for others.
+  Column* shared_column(std::uint32_t attribute) const { return shared_columns_[attribute]; }
+  /// To be called after build().
+  void share(std::uint32_t attribute, Column& column) { shared_columns_[attribute] = &column; }
 
   /// The columns of parameters that may differ from element to element (SUTURE_PARAMETER), in the
   /// order of the model's attributes.
@@ -174,7 +184,7 @@ class Instance {
   std::vector<const Column*> parameter_columns_, by_cell_;
   std::vector<std::uint32_t> changed_fields_;
   std::array<Table, 4> tables_;
-  std::vector<Column*> columns_;
+  std::vector<Column*> columns_, shared_columns_;
   AlignedVector<double> part_blocks_;                 ///< from the block of part_begin on
   std::vector<const suture_functor*> part_functors_;  ///< empty if there are no parts
   std::vector<Enabled> enabled_;                      ///< by position in model().functors

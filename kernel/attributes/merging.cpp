@@ -189,6 +189,16 @@ void MergePolicies::keep_shares(Table& table, const TouchedElements& touched,
 
 // ----------------------------------------------------------- kernel's vertices --
 
+void merge_values(Column& values, const Column& weights, std::span<const Merge> merges) {
+  double weight = 0;  // of what is in the row of the vertex that is kept
+  for (std::size_t i = 0; i < merges.size(); ++i) {
+    const auto [kept, gone] = merges[i];
+    if (i == 0 || merges[i - 1].kept != kept) weight = weights.get(kept, 0);
+    values.mix_row(kept, gone, part(weight, weights.get(gone, 0)));
+    weight += weights.get(gone, 0);
+  }
+}
+
 namespace {
 
 /// A corner of an element that had a separate rest position before the merge.

@@ -52,6 +52,9 @@ class MergePolicies {
   std::vector<MergeWeight> weights_;
 };
 
+/// The values of vertices that become one: means, weighed by another column.
+void merge_values(Column& values, const Column& weights, std::span<const Merge> merges);
+
 /// The kernel's columns of vertices that become one, and the rest shape of the elements
 /// around them.
 struct VertexMerge {

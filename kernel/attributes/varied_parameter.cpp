@@ -18,6 +18,8 @@ void for_each_column(Attributes& attributes, Instance& instance, Visit visit) {
   for (Table& table : instance.tables())
     for (Column& column : table.columns) visit(column);
   visit(attributes.mass());
+  for (const VertexField& field : attributes.fields())
+    if (field.capacity) visit(*field.capacity);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/build/add_fields.hpp"
 #include "kernel/build/cell_values.hpp"
 #include "kernel/build/check_constraints.hpp"
 #include "kernel/build/check_obstacles.hpp"
@@ -136,6 +137,7 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   limits_ = std::make_unique<StepLimits>(body_);
   add_constraints();
   add_terms();
+  add_fields(scene_, selector_, body_, [&](Index v) { return node_text(v); });
   add_contact(diagnostics);
 }
 
@@ -208,11 +210,7 @@ void BuiltScene::add_constraints() {
     placed.push_back({"/constraints/" + std::to_string(placed.size()), constraint.components,
                       motion_of(constraint), selector_.vertices(constraint.where)});
   }
-  const Column& rest = body_.attributes().rest();
-  check_constraints(placed, rest, [&](Index v) {
-    return "node " + std::to_string(names_.point_id(body_.user_vertex()[v])) + " at " +
-           place_text({rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
-  });
+  check_constraints(placed, body_.attributes().rest(), [&](Index v) { return node_text(v); });
   for (std::size_t i = 0; i < placed.size(); ++i) {
     PlacedConstraint& constraint = placed[i];
     if (constraint.motion.moves())
@@ -220,6 +218,12 @@ void BuiltScene::add_constraints() {
     body_.constraints().add(constraint.vertices, constraint.components, constraint.motion,
                             body_.attributes(), scene_.constraints[i].name);
   }
+}
+
+std::string BuiltScene::node_text(Index v) {
+  const Column& rest = body_.attributes().rest();
+  return "node " + std::to_string(names_.point_id(body_.user_vertex()[v])) + " at " +
+         place_text({rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
 }
 
 /// At rest, of the elements around these vertices, m.

@@ -80,6 +80,7 @@ class BuiltScene {
   std::vector<Index> graspable(const Grasp& grasp, double time);
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();
+  std::string node_text(Index v);
   void add_contact(Diagnostics& diagnostics);
   void add_edges(Contact& contact);
   std::vector<double> element_values(const CellValues& table) const;

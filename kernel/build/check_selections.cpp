@@ -23,6 +23,11 @@ class SelectionCheck {
       else
         attempt([&] { selector_.boundary_faces(load.where); });
     }
+    for (const FieldCondition& condition : scene.fields)
+      if (condition.kind != FieldCondition::Kind::flux)
+        vertices(condition.where);
+      else if (!selector_.has_parts())
+        attempt([&] { selector_.boundary_faces(condition.where); });
     for (const Event& event : scene.events) check_event(event);
     for (const Probe& probe : scene.output.probes) check_probe(probe);
   }

@@ -132,6 +132,7 @@ struct Translation {
     for (ModelUse& use : scene.models) (*this)(use);
     for (Constraint& constraint : scene.constraints) (*this)(constraint);
     for (Load& load : scene.loads) (*this)(load.where);
+    for (FieldCondition& condition : scene.fields) (*this)(condition.where);
     for (Obstacle& obstacle : scene.contact.obstacles) (*this)(obstacle);
     for (Event& event : scene.events) (*this)(event);
     for (Probe& probe : scene.output.probes) (*this)(probe.where);

@@ -29,6 +29,30 @@ void Body::compile(Diagnostics& diagnostics, unsigned threads) {
   auto models = std::make_unique<ForceLoop>(attributes_, complex(), threads);
   models_ = models.get();
   terms_.insert(terms_.begin(), std::move(models));  // whatever was added before
+  for (const VertexField& field : attributes_.fields())
+    fields_.emplace_back(attributes_, complex(), field, threads);
+}
+
+FieldEquation& Body::field(std::string_view name) {
+  return *std::ranges::find_if(
+      fields_, [&](const FieldEquation& equation) { return equation.field().name == name; });
+}
+
+void Body::check_plugins() {
+  models_->check_plugins();
+  for (FieldEquation& field : fields_) field.rates().check_plugins();
+}
+
+void Body::measure() {
+  models_->measure();
+  for (FieldEquation& field : fields_) field.rates().measure();
+}
+
+std::vector<FunctorCost> Body::costs() const {
+  std::vector<FunctorCost> costs = models_->costs();
+  for (const FieldEquation& field : fields_)
+    for (FunctorCost& cost : field.rates().costs()) costs.push_back(std::move(cost));
+  return costs;
 }
 
 Contact& Body::add_contact(std::vector<Obstacle> obstacles, double thickness,
@@ -76,6 +100,7 @@ bool Body::is_conservative(double time) const {
 
 double Body::last_change() const {
   double last = constraints_.last_change();
+  for (const FieldEquation& field : fields_) last = std::max(last, field.last_change());
   if (contact_) last = std::max(last, contact_->last_change());
   for (const auto& term : terms_) last = std::max(last, term->last_change());
   return last;
@@ -118,6 +143,7 @@ std::vector<Index> sorted_once(std::vector<Index> vertices) {
 template <class Operate>
 TopologyChange Body::change(const ComingOperation& operation, Operate operate) {
   for (Follower* follower : followers_) follower->before(operation);
+  for (FieldEquation& field : fields_) field.before_operation();
   TopologyChange change = operate();
   follow(change);
   return change;
@@ -151,6 +177,7 @@ void Body::follow(const TopologyChange& change) {
   follow_copies(change);
   attributes_.apply(complex(), change);
   for (const auto& term : terms_) term->follow(complex(), change);
+  for (FieldEquation& field : fields_) field.follow(complex(), change);
   constraints_.update(change, attributes_);
   if (contact_) contact_->follow(complex(), change);
   if (islands_) islands_->update(complex(), change);
@@ -246,6 +273,7 @@ void Body::state(Archive& archive) {
   archive.group("terms", [&] {
     for (const auto& term : terms_) archive(term->name(), *term);
   });
+  for (FieldEquation& field : fields_) archive(("field " + field.field().name).c_str(), field);
 }
 
 }  // namespace suture

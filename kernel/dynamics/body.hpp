@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/dynamics/constraints.hpp"
+#include "kernel/fields/field_equation.hpp"
 #include "kernel/forces/force_loop.hpp"
 #include "kernel/topology/import.hpp"
 #include "kernel/topology/islands.hpp"
@@ -76,6 +79,16 @@ class Body {
   const std::vector<std::unique_ptr<ForceTerm>>& terms() const { return terms_; }
   /// All terms other than the models.
   std::span<const std::unique_ptr<ForceTerm>> loads() const { return std::span(terms_).subspan(1); }
+
+  /// The equations of the fields that models declare; after compile().
+  std::deque<FieldEquation>& fields() { return fields_; }
+  const std::deque<FieldEquation>& fields() const { return fields_; }
+  FieldEquation& field(std::string_view name);
+
+  // Of the forces of models and the rates of fields (ForceLoop):
+  void check_plugins();
+  void measure();
+  std::vector<FunctorCost> costs() const;
 
   /// Adds contact with obstacles, which the body does not enter from now on; call it once.
   /// `embedding`: see Contact.
@@ -150,6 +163,7 @@ class Body {
   std::vector<Index> copied_element_;  ///< of the mesh, for each copy so far
   std::vector<std::unique_ptr<ForceTerm>> terms_;
   ForceLoop* models_ = nullptr;
+  std::deque<FieldEquation> fields_;
   Constraints constraints_;
   std::unique_ptr<ContactLaw> contact_;
   std::optional<Islands> islands_;

@@ -41,6 +41,7 @@ void Dynamics::start(double time) {
   require_masses();
   motion_.start(time);
   body().constraints().apply(body().attributes(), time);
+  for (FieldEquation& field : body().fields()) field.start(time, is_static());
   ledger_.restart();
   motion_.sums().restart();
   for_each_with<WorkTerm>(body().terms(), [](WorkTerm& term) { term.restart(); });
@@ -49,10 +50,14 @@ void Dynamics::start(double time) {
 }
 
 void Dynamics::step(double dt, double end) {
+  const bool solves_fields = is_implicit() && !body().fields().empty();
+  if (solves_fields) solve_fields(dt, end);
   try {
     integrator_->begin(dt);
   } catch (...) {
     integrator_->reject();
+    if (solves_fields)
+      for (FieldEquation& field : body().fields()) field.restore();
     throw;
   }
   if (integrator_->is_other_step(dt)) {
@@ -63,6 +68,29 @@ void Dynamics::step(double dt, double end) {
     motion_.sums().change_step(difference);
   }
   integrator_->accept(end);
+  if (solves_fields || body().fields().empty()) return;
+  for (FieldEquation& field : body().fields()) field.advance_explicitly(end - dt, dt);
+  fields_have_changed();
+}
+
+/// Before the step of the motion, which sees the fields at its end.
+void Dynamics::solve_fields(double dt, double end) {
+  for (FieldEquation& field : body().fields()) field.keep();
+  try {
+    for (FieldEquation& field : body().fields())
+      if (is_static())
+        field.settle(end);
+      else if (dt > 0)
+        field.advance_implicitly(end, dt);
+  } catch (...) {
+    for (FieldEquation& field : body().fields()) field.restore();
+    throw;
+  }
+  fields_have_changed();
+}
+
+void Dynamics::fields_have_changed() {
+  if (body().models().reads_fields()) motion_.discard_forces();
 }
 
 void Dynamics::synchronise(bool with_forces) {
@@ -168,6 +196,7 @@ void Dynamics::change_forces(const std::function<void()>& change) {
     change();
     require_masses();
     for (const auto& term : body().terms()) term->forget_models();
+    for (FieldEquation& field : body().fields()) field.forget_models();
     motion_.forget_forces();
     const std::vector<Vec3> after = accelerations();
     const Kick lacking = integrator_->lacking();

@@ -39,6 +39,11 @@ class Dynamics : private Follower {
   /// True if the scheme finds equilibria and no motion: the energy that loads give and springs do
   /// not store is taken to be dissipated.
   bool is_static() const { return integrator_->is_static(); }
+  /// Whether the balance of the energy says how good the steps are: not of equilibria, nor of
+  /// implicit steps of functors that read a field, which damp what the field sets in motion.
+  bool has_balance() const {
+    return !is_static() && !(is_implicit() && body().models().reads_fields());
+  }
   /// For an implicit scheme: the linear solver of steps of length dt and why.
   std::string describe_solver(double dt) { return integrator_->describe_solver(dt); }
   /// The solver of an implicit scheme, or nullptr.
@@ -97,6 +102,8 @@ class Dynamics : private Follower {
 
  private:
   void require_masses();
+  void solve_fields(double dt, double end);
+  void fields_have_changed();
   std::vector<Vec3> accelerations();
   void before(const ComingOperation& operation) override;
   void follow(const CellComplex& complex, const TopologyChange& change) override;

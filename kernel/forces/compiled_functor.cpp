@@ -318,12 +318,19 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
 bool CompiledFunctor::has_states() const {
   const auto is_state = [&](std::uint32_t attribute) {
     return attribute != UINT32_MAX && attribute != SUTURE_PART_COLUMN &&
-           instance_.column(attribute)->has_trial();
+           instance_.column(attribute) != nullptr && instance_.column(attribute)->has_trial();
   };
   return std::any_of(functor_.cell_columns, functor_.cell_columns + functor_.cell_column_count,
                      is_state) ||
          std::any_of(functor_.vertex_columns,
                      functor_.vertex_columns + functor_.vertex_column_count, is_state);
+}
+
+bool CompiledFunctor::reads_field() const {
+  const std::span columns(functor_.vertex_columns, functor_.vertex_column_count);
+  return std::ranges::any_of(columns, [&](std::uint32_t a) {
+    return a != UINT32_MAX && (instance_.model().attributes[a].flags & SUTURE_FIELD) != 0;
+  });
 }
 
 void CompiledFunctor::read_columns(Attributes& attributes) {
@@ -351,8 +358,9 @@ void CompiledFunctor::read_columns(Attributes& attributes) {
   for (std::size_t i = 0; i < vertex_columns_.size(); ++i) {
     const std::uint32_t attribute = functor_.vertex_columns[i];
     const bool mass = attribute == UINT32_MAX;
-    const Column& column = mass ? attributes.mass() : *instance_.column(attribute);
-    const Index* rows = mass || vertices.is_all() ? nullptr : vertices.rows().data();
+    const Column* const shared = mass ? &attributes.mass() : instance_.shared_column(attribute);
+    const Column& column = shared ? *shared : *instance_.column(attribute);
+    const Index* rows = shared || vertices.is_all() ? nullptr : vertices.rows().data();
     vertex_columns_[i] = {column.rows(), rows, static_cast<std::uint32_t>(column.spec().components),
                           static_cast<std::uint32_t>(column.stride())};
   }

@@ -78,6 +78,7 @@ class CompiledFunctor {
   std::uint32_t reads() const { return reads_; }
   /// Whether it reads columns that steps change (SUTURE_TRIAL).
   bool has_states() const;
+  bool reads_field() const;  ///< whether it reads one (SUTURE_FIELD)
   bool skipped() const { return !reason_.empty(); }
   const std::string& reason() const { return reason_; }
   const BatchList& list() const { return list_; }

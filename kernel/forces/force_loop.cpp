@@ -9,8 +9,9 @@
 
 namespace suture {
 
-ForceLoop::ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads)
-    : impl_(std::make_unique<Impl>(attributes, complex, threads)) {}
+ForceLoop::ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads,
+                     const VertexField* field)
+    : impl_(std::make_unique<Impl>(attributes, complex, threads, field)) {}
 
 ForceLoop::~ForceLoop() = default;
 
@@ -217,7 +218,15 @@ bool ForceLoop::keeps_states() const {
   });
 }
 
-bool ForceLoop::depends_on_positions_alone() const { return !reads_velocity() && !keeps_states(); }
+bool ForceLoop::reads_fields() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return !functor.skipped() && functor.reads_field();
+  });
+}
+
+bool ForceLoop::depends_on_positions_alone() const {
+  return !reads_velocity() && !keeps_states() && !reads_fields();
+}
 
 bool ForceLoop::reads_summed_columns() const {
   return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {

@@ -26,7 +26,9 @@ class StepRejected : public NumericalError {
 };
 
 /// The internal forces: the enabled functors of all instances, compiled into batches of 8 cells.
-/// The results are bitwise identical for any number of threads.
+/// The results are bitwise identical for any number of threads. Instead of the forces, the rates of
+/// a field: then "force", "position" in a tangent and "N" below stand for the rate, the field and
+/// the unit of its capacity times its own per second, in component 0.
 ///
 /// The cells of a functor are coloured in chunks (batch_list.hpp); the loop itself is
 /// compiled for each instruction set (loops/). Memory: 4 B per row of a vertex functor, 8 B
@@ -39,8 +41,10 @@ class ForceLoop final : public ForceTerm,
                         public WorkTerm {
  public:
   /// `threads`: 0 = as many as are useful; only loops that are large enough use more than one.
-  /// Throws PluginError if a functor requires what this program does not support.
-  ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads);
+  /// `field`: whose rates; null: forces. Throws PluginError if a functor requires what this program
+  /// does not support.
+  ForceLoop(Attributes& attributes, const CellComplex& complex, unsigned threads,
+            const VertexField* field = nullptr);
   ~ForceLoop() override;
 
   const char* name() const override { return "models"; }
@@ -113,7 +117,8 @@ class ForceLoop final : public ForceTerm,
   std::string without_tangent() const;  ///< the first functor without a tangent, or ""
   bool reads_velocity() const;          ///< whether an enabled functor does
   bool keeps_states() const;            ///< whether forces depend on accepted states (SUTURE_TRIAL)
-  /// Whether forces depend on nothing else that steps change: on no velocities and no states.
+  bool reads_fields() const;            ///< whether forces depend on fields (SUTURE_FIELD)
+  /// Whether forces depend on nothing else that steps change: no velocities, states and fields.
   bool depends_on_positions_alone() const;
   /// Whether an enabled functor is on edges or faces, or reads columns of vertices: then an
   /// operation changes its bounds also at vertices that keep their elements.

@@ -25,10 +25,11 @@ namespace suture {
 /// 0.1 ms of work compared with a few microseconds per colour.
 inline constexpr std::size_t parallel_nodes = 32768;
 
-/// The energy that the functor stores, or null: what an active model (SUTURE_ACTIVE) declares
-/// changes with time, so the work of its forces is booked instead.
+/// The energy that the functor stores, or null: what an active model (SUTURE_ACTIVE) declares, and
+/// one that reads a field, changes with time, so the work of its forces is booked instead.
 inline const suture_energy_1* stored_energy(const CompiledFunctor& functor) {
   if ((functor.instance().model().flags & SUTURE_ACTIVE) != 0) return nullptr;
+  if (functor.reads_field()) return nullptr;
   return functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
 }
 
@@ -41,20 +42,21 @@ inline const Index* nodes_of(const loops::Job& job, Index row) {
 void require_finite(std::span<const double> results, std::span<const std::uint32_t> cells);
 
 struct ForceLoop::Impl {
-  Impl(Attributes& a, const CellComplex& c, unsigned wanted)
+  Impl(Attributes& a, const CellComplex& c, unsigned wanted, const VertexField* field)
       : attributes(a), complex(&c), loops(hot_loops()), threads(wanted) {
     workers.resize(threads.threads());
     for (auto& instance : attributes.instances()) {
       instance->set_workers(threads.threads());
-      add(*instance);
+      add(*instance, field);
     }
   }
 
-  void add(Instance& instance) {
+  void add(Instance& instance, const VertexField* field) {
     std::array<RowNodes*, 4> nodes{};
     const suture_model& model = instance.model();
     for (std::size_t i = 0; i < model.functor_count; ++i) {
       const suture_functor& functor = model.functors[i];
+      if (attributes.field_of(model, functor) != field) continue;
       const auto dimension = functor.dimension;
       const bool has_rows = dimension < 3 && instance.functor(i).runs;
       if (has_rows && !nodes[dimension]) {

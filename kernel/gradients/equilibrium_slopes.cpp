@@ -55,6 +55,7 @@ EquilibriumSlopes::EquilibriumSlopes(Dynamics& dynamics)
     refuse(
         "it is a state of motion; set /solver/static for derivatives of equilibria, or take the "
         "adjoint() of a run since keep_steps()");
+  if (const std::string fields = why_fields_have_none(body_); !fields.empty()) refuse(fields);
   require_terms(body_, time_);
   Newton& newton = *dynamics.newton();
   if (newton.holds_free_pieces())

@@ -28,6 +28,12 @@ std::vector<double> with_loads(Body& body, double time, AlignedVector<double>& r
 
 }  // namespace
 
+std::string why_fields_have_none(const Body& body) {
+  if (body.fields().empty()) return {};
+  return "fields such as '" + body.fields().front().field().name +
+         "' have no derivatives; choose models without them";
+}
+
 std::vector<double> with_weight(const double* rows, Attributes& attributes, const Vec3& gravity) {
   std::vector<double> forces;
   for (Index v = 0; v < attributes.vertex_count(); ++v)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "kernel/dynamics/body.hpp"
@@ -13,6 +14,9 @@ struct Moment {
   /// An acceleration a, m/s^2, 3 numbers per vertex; empty: none.
   std::vector<double> inertia{};
 };
+
+/// Why a body whose models have fields has no derivatives; "" without fields.
+std::string why_fields_have_none(const Body& body);
 
 /// Forces in rows of 4 and m g, 3 numbers per vertex.
 std::vector<double> with_weight(const double* rows, Attributes& attributes, const Vec3& gravity);

@@ -13,9 +13,9 @@ namespace {
 using Values = AlignedVector<double>;
 
 /// Functors on vertices act between the body and the world; so may loads on faces, which have no
-/// energy.
+/// energy. Rates of fields have no direction.
 bool may_act_from_outside(const suture_functor& functor) {
-  return functor.dimension == 0 ||
+  return functor.dimension == 0 || functor.field != 0 ||
          (functor.dimension == 2 &&
           extension_of<suture_energy_1>(functor, SUTURE_ENERGY_1) == nullptr);
 }

@@ -48,20 +48,6 @@ Vec3 momentum(SampleBody& sample) {
   return sum;
 }
 
-/// A dart of each face inside the body.
-std::vector<Dart> inner_faces(const CellComplex& complex) {
-  std::vector<Dart> faces;
-  for (Index e = 0; e < complex.element_count(); ++e)
-    for (const Dart d : sides_of(e))
-      if (complex.can_cut(d) && complex.beta3(d) > d) faces.push_back(d);
-  return faces;
-}
-
-bool gives_mass(const suture_model& model) {
-  return std::ranges::any_of(std::span(model.attributes, model.attribute_count),
-                             [](const auto& a) { return (a.flags & SUTURE_SHARED_MASS) != 0; });
-}
-
 double worst_of(double a, double b, const char* text_a, const char* text_b, const char*& text) {
   text = a >= b || std::isnan(a) ? text_a : text_b;
   return a >= b || std::isnan(a) ? a : b;
@@ -75,6 +61,8 @@ NodalValues observed(SampleBody& sample) {
   };
   append(sample.at_vertices(sample.body().attributes().mass(), 1));
   append({sample.body().models().energy(sample.options().time)});
+  for (const VertexField& field : sample.body().attributes().fields())
+    if (field.capacity) append(sample.at_vertices(*field.capacity, 1));
   for (const suture_functor* functor : sample.functors())
     for (CellBatch& batch : sample.batches(*functor, 1)) {
       batch.time = sample.options().time;
@@ -157,7 +145,7 @@ Result stiffness(const BodyCase& of) {
 
 // The mass of an element follows its volume, and is shared among its nodes.
 Result mass(const BodyCase& of) {
-  if (!gives_mass(of.sample.model())) return {};
+  if (!of.sample.gives_mass()) return {};
   const NodalValues masses = of.sample.at_vertices(of.sample.body().attributes().mass(), 1);
   if (!(*std::ranges::min_element(masses) > 0))
     throw BrokenLaw("the mass of a node is not positive");
@@ -179,17 +167,17 @@ Result cut(const BodyCase& of) {
   const double mass = total(sample.at_vertices(body.attributes().mass(), 1));
   const double energy = body.models().energy(sample.options().time);
   const Vec3 before = momentum(sample);
-  body.cut(inner_faces(body.complex()));
+  body.cut(of.sample.inner_faces());
   const double lost_mass =
       std::abs(total(sample.at_vertices(body.attributes().mass(), 1)) / mass - 1);
   const double gained = energy > 0 ? body.models().energy(sample.options().time) / energy - 1 : 0;
   double lost_momentum = 0;
-  for (std::size_t c = 0; c < 3 && gives_mass(sample.model()); ++c)
+  for (std::size_t c = 0; c < 3 && sample.gives_mass(); ++c)
     lost_momentum =
         std::max(lost_momentum, std::abs(momentum(sample)[c] - before[c]) / (mass * 0.05));
   const char* text = "";
   const double matter =
-      worst_of(gives_mass(sample.model()) ? lost_mass : 0, lost_momentum,
+      worst_of(sample.gives_mass() ? lost_mass : 0, lost_momentum,
                "a cut changes the mass by this part", "a cut changes the momentum", text);
   const double worst = worst_of(matter, gained, text, "a cut adds this part of the energy", text);
   return Measured{worst, text};

@@ -17,6 +17,7 @@ namespace {
 constexpr const char* no_energy = "no functor has an energy";
 constexpr const char* no_tangent = "not every functor has a tangent";
 constexpr const char* not_inner = "its functors act between the body and the world";
+constexpr const char* no_rate = "no functor changes a field";
 constexpr double any = std::numeric_limits<double>::infinity();
 
 // Limits are far above the rounding of sound models (1e-16 to 1e-12, by differences 1e-11, in
@@ -68,6 +69,10 @@ constexpr ModelCheck all_checks[] = {
      nullptr, checks::builds},
     {"allocations", "no function of a functor allocates memory", "", 0, checks::no_allocation,
      nullptr},
+    {"rates", "what flows out of nodes flows into others, and rates have symmetric derivatives",
+     no_rate, 1e-6, checks::rates, nullptr},
+    {"field-cut", "capacities are positive, and cuts and seams keep the content of fields", no_rate,
+     1e-11, nullptr, checks::field_cut},
     {"speed", "ns per cell", "", any, checks::speed, nullptr}};
 
 std::string text_of_sample(const SampleOptions& sample) {

@@ -22,6 +22,9 @@ Result bad_states(const BatchCase&);
 Result balance(const BatchCase&);
 Result translation(const BatchCase&);
 Result objectivity(const BatchCase&);
+// rate_checks.cpp
+Result rates(const BatchCase&);
+Result field_cut(const BodyCase&);
 // part_checks.cpp
 Result patch(const BatchCase&);
 // repeated_checks.cpp

@@ -73,11 +73,12 @@ class Gathering {
   }
   void add_vertex_column(std::size_t i, std::size_t lane) {
     const std::uint32_t a = functor_.vertex_columns[i];
-    const bool is_mass = a == UINT32_MAX;
-    const Column& column = is_mass ? body_.attributes().mass() : *instance_.column(a);
+    const Column* const shared =
+        a == UINT32_MAX ? &body_.attributes().mass() : instance_.shared_column(a);
+    const Column& column = shared ? *shared : *instance_.column(a);
     const auto components = static_cast<std::size_t>(column.spec().components);
     for (std::size_t n = 0; n < batch.nodes(); ++n) {
-      const Index row = is_mass ? nodes_[n] : instance_.table(0).cells.row(nodes_[n]);
+      const Index row = shared ? nodes_[n] : instance_.table(0).cells.row(nodes_[n]);
       for (std::size_t c = 0; c < components; ++c)
         batch.vertex_columns[i][(n * components + c) * SUTURE_LANES + lane] =
             column.get(row, static_cast<int>(c));

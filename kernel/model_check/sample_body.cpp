@@ -130,6 +130,7 @@ std::vector<GivenColumn> SampleBody::given_columns() const {
 /// Functors that divide by the mass need one, whoever gives it.
 void SampleBody::give_mass() {
   Column& mass = body_.attributes().mass();
+  for (Index v = 0; v < mass.size(); ++v) gives_mass_ = gives_mass_ || mass.get(v, 0) != 0;
   for (Index v = 0; v < mass.size(); ++v)
     if (mass.get(v, 0) == 0) mass.set(v, 0, 0.1);
 }
@@ -158,6 +159,18 @@ void SampleBody::deform() {
       attributes.velocity().set(v, c, velocity[static_cast<std::size_t>(c)]);
     }
   }
+  vary_fields();
+}
+
+/// About their initial value, by up to 2 % of it, at least 0.02.
+void SampleBody::vary_fields() {
+  std::mt19937_64 random(options_.seed * 5 + 2);
+  for (VertexField& field : body_.attributes().fields()) {
+    const double initial = field.values->spec().initial;
+    const double amount = 0.02 * std::max(1.0, std::abs(initial));
+    for (Index v = 0; v < field.values->size(); ++v)
+      field.values->set(v, 0, initial + between(random, -amount, amount));
+  }
 }
 
 void SampleBody::go_to_rest() {
@@ -165,7 +178,17 @@ void SampleBody::go_to_rest() {
   Attributes& attributes = body_.attributes();
   for (Index v = 0; v < attributes.vertex_count(); ++v)
     for (int c = 0; c < 3; ++c) attributes.position().set(v, c, attributes.rest().get(v, c));
+  for (VertexField& field : attributes.fields()) field.values->fill(field.values->spec().initial);
   stop();
+}
+
+std::vector<Dart> SampleBody::inner_faces() {
+  const CellComplex& complex = body_.complex();
+  std::vector<Dart> faces;
+  for (Index e = 0; e < complex.element_count(); ++e)
+    for (const Dart d : sides_of(e))
+      if (complex.can_cut(d) && complex.beta3(d) > d) faces.push_back(d);
+  return faces;
 }
 
 void SampleBody::stop() {

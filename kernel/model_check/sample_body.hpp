@@ -41,6 +41,8 @@ class SampleBody {
   Body& body() { return body_; }
   Instance& instance() { return *body_.attributes().instances()[0]; }
   const suture_model& model() const { return model_; }
+  /// Whether some node has mass by the model: a model of a field may leave it to others.
+  bool gives_mass() const { return gives_mass_; }
 
   /// Functors that run with these parameters; on elements of which only a part is material, what
   /// replaces them there.
@@ -52,9 +54,14 @@ class SampleBody {
   /// Forces of all functors, 3 numbers per vertex.
   std::vector<double> forces();
   std::vector<double> at_vertices(Column& column, int components = 3) const;
-  /// Moves all vertices to their places at rest, without velocities, at time 0.
+  /// Moves all vertices to their places at rest, without velocities, at time 0, and gives fields
+  /// their initial values.
   void go_to_rest();
   void stop();  ///< without velocities
+  /// Gives the fields of the model values about their initial ones: random, the same in each call.
+  void vary_fields();
+  /// A dart of each face inside the body.
+  std::vector<Dart> inner_faces();
 
  private:
   void add_model(const suture_model& model, std::vector<Index> elements);
@@ -69,6 +76,7 @@ class SampleBody {
   std::mt19937_64 random_;
   Diagnostics diagnostics_;
   Body body_;
+  bool gives_mass_ = false;
 };
 
 Vec3 rotated(const std::array<Vec3, 3>& rotation, const Vec3& v);

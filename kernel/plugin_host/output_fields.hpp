@@ -15,7 +15,8 @@ std::vector<suture_field> output_fields(const suture_functor& functor);
 
 /// Whether users see this attribute in frames and probes.
 inline bool is_shown(const suture_attribute& attribute) {
-  return (attribute.flags & (SUTURE_OUTPUT | SUTURE_SHARED_MASS)) == SUTURE_OUTPUT;
+  return (attribute.flags & SUTURE_FIELD) != 0 ||
+         (attribute.flags & (SUTURE_OUTPUT | SUTURE_SHARED_MASS)) == SUTURE_OUTPUT;
 }
 
 /// Whether the model shows such a field: an output field of a functor, or an attribute.

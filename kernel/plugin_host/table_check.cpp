@@ -10,6 +10,7 @@
 
 #include "kernel/base/nearest.hpp"
 #include "kernel/plugin_host/host_extensions.hpp"
+#include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/plugin_host/table_entry.hpp"
 
 namespace suture {
@@ -145,6 +146,29 @@ void check_policy(const Entry& entry, const suture_attribute& a) {
                   "SUTURE_FROM_VOLUMES");
 }
 
+/// An unknown on vertices, and what they take up of the one declared last before it.
+void check_field(const Entry& entry, const suture_model& m, std::uint32_t place) {
+  const suture_attribute& a = m.attributes[place];
+  constexpr std::uint32_t others =
+      SUTURE_TRIAL | SUTURE_SHARED_MASS | SUTURE_PARAMETER | SUTURE_FROM_PARAMETERS;
+  if ((a.flags & SUTURE_FIELD) != 0)
+    entry.require(a.dimension == 0 && a.components == 1 && a.policy == SUTURE_COPY &&
+                      (a.flags & (others | SUTURE_CAPACITY)) == 0,
+                  "has SUTURE_FIELD: expected dimension 0, 1 component, policy SUTURE_COPY and "
+                  "neither a trial copy nor another use");
+  if ((a.flags & SUTURE_CAPACITY) == 0) return;
+  entry.require(a.dimension == 0 && a.components == 1 && a.policy == SUTURE_FROM_VOLUMES &&
+                    (a.flags & others) == 0,
+                "has SUTURE_CAPACITY: expected dimension 0, 1 component, policy "
+                "SUTURE_FROM_VOLUMES and neither a trial copy nor another use");
+  std::uint32_t before = place;
+  while (before > 0 && (m.attributes[before - 1].flags & (SUTURE_FIELD | SUTURE_CAPACITY)) == 0)
+    --before;
+  entry.require(before > 0 && (m.attributes[before - 1].flags & SUTURE_FIELD) != 0,
+                "has SUTURE_CAPACITY, but no field (SUTURE_FIELD) stands before it that has none "
+                "yet");
+}
+
 /// One for each type of 3-cell of this host, which has hexahedra.
 void check_contributions(const Entry& entry, const suture_attribute& a) {
   for (std::uint32_t i = 0; i < a.contribution_count; ++i) {
@@ -191,8 +215,9 @@ void check_attributes(const Entry& model, const suture_model& m) {
                   "has " + std::to_string(a.components) + " components, expected 1 to 9");
     entry.known_bits(a.flags,
                      SUTURE_OUTPUT | SUTURE_TRIAL | SUTURE_SHARED_MASS | SUTURE_PARAMETER |
-                         SUTURE_FROM_PARAMETERS | SUTURE_INTERNAL,
+                         SUTURE_FROM_PARAMETERS | SUTURE_INTERNAL | SUTURE_FIELD | SUTURE_CAPACITY,
                      "flags");
+    check_field(entry, m, i);
     check_parameter_flags(entry, m, a);
     entry.require(std::isfinite(a.initial), "its initial value is not finite");
     check_policy(entry, a);
@@ -216,6 +241,24 @@ void check_column(const Entry& entry, const suture_model& m, std::uint32_t colum
                 its +
                     " has SUTURE_SHARED_MASS and is therefore not a column; use the vertex column "
                     "UINT32_MAX for the vertex mass");
+  entry.require((a.flags & SUTURE_CAPACITY) == 0,
+                its + " has SUTURE_CAPACITY, which no functor reads");
+}
+
+/// A functor that changes a field.
+void check_rate(const Entry& entry, const suture_model& m, const suture_functor& f) {
+  if (f.field == 0) return;
+  if (!entry.require(
+          f.field <= m.attribute_count && (m.attributes[f.field - 1].flags & SUTURE_FIELD) != 0,
+          "its field is " + std::to_string(f.field) +
+              ", expected 0 or 1 + the index of an attribute with SUTURE_FIELD"))
+    return;
+  entry.require(extension_of<suture_tangent_1>(f, SUTURE_TANGENT_1) != nullptr,
+                "changes a field, but has no suture.tangent/1");
+  for (std::uint32_t i = 0; i < f.cell_column_count; ++i)
+    entry.require(f.cell_columns[i] >= m.attribute_count ||
+                      (m.attributes[f.cell_columns[i]].flags & SUTURE_TRIAL) == 0,
+                  "changes a field, and writes a state (SUTURE_TRIAL), which is not supported");
 }
 
 void check_columns(const Entry& entry, const suture_model& m, const suture_functor& f,
@@ -308,6 +351,8 @@ void check_functor(const Entry& entry, const suture_model& m, const suture_funct
   entry.reserved(f.reserved);
   check_cells(entry, f);
   check_columns(entry, m, f, on_parts);
+  entry.reserved(f.reserved_2);
+  check_rate(entry, m, f);
 }
 
 std::vector<std::string> table_problems(const suture_plugin& plugin) {

@@ -313,9 +313,14 @@ std::vector<FieldChoice> model_fields(BuiltScene& built) {
         add_once(fields, output_field(functor, field));
     }
     for (const suture_attribute& attribute : std::span(table.attributes, table.attribute_count)) {
-      if (is_shown(attribute)) add_once(fields, attribute_field(attribute));
+      if (is_shown(attribute) && !is_of_kernel(attribute))
+        add_once(fields, attribute_field(attribute));
     }
   }
+  for (const VertexField& field : built.body().attributes().fields())
+    add_once(fields,
+             vertex_scalar(
+                 field.name, field.unit, [&field](BuiltScene&) -> auto& { return *field.values; }));
   return fields;
 }
 

@@ -121,6 +121,15 @@ void decide_functor(const ForceLoop::Summary& functor, std::vector<Decision>& li
 void decide_functors(BuiltScene& built, std::vector<Decision>& list) {
   for (const ForceLoop::Summary& functor : built.body().models().summary())
     decide_functor(functor, list);
+  for (const FieldEquation& field : built.body().fields()) {
+    const bool is_implicit = built.dynamics().is_implicit();
+    list.push_back({"field " + field.field().name, false,
+                    built.dynamics().is_static() ? "its steady state at each equilibrium"
+                    : is_implicit
+                        ? "backward Euler before each step of the motion"
+                        : "forward Euler after each step of the motion, in stable parts"});
+    for (const ForceLoop::Summary& functor : field.rates().summary()) decide_functor(functor, list);
+  }
   const unsigned threads = built.body().models().threads();
   list.push_back(
       {"threads", threads == 1,

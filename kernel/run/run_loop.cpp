@@ -62,7 +62,7 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   Decision fixed_cells = decide_fixed_cells(scene_, built_, recorder_);
   decisions_ = decide(scene_, host, built_, recorder_);
   decisions_.push_back(std::move(fixed_cells));
-  if (check_plugins) built_.body().models().check_plugins();  // before the first force
+  if (check_plugins) built_.body().check_plugins();  // before the first force
   built_.dynamics().start();
   if (ending_.rest()) check_free_bodies(scene_, built_, diagnostics);
   if (built_.dynamics().is_static()) require_held_bodies();
@@ -373,9 +373,8 @@ void RunLoop::report_progress(Observer& observer, Wall::time_point start,
   const auto steps = static_cast<double>(clock_.step() - first_step);
   progress.elements_per_second =
       spent > 0 ? steps * built_.body().complex().element_count() / spent : 0;
-  if (progress.end > 0 && clock_.time() > 0 && !ending_.rest()) {
+  if (progress.end > 0 && clock_.time() > 0 && !ending_.rest())
     progress.seconds_left = spent * (progress.end - clock_.time()) / clock_.time();
-  }
   observer.on_progress(progress);
 }
 
@@ -449,13 +448,14 @@ void RunLoop::finish(Observer& observer) {
        {hourglass_warning(scene_, built_, rests), control_.balance_warning(), rounding_warning(),
         deep_overlaps(built_)})
     if (!text.empty()) diagnostics_.warn(text);
+  for (const auto& field : built_.body().fields()) observer.on_message(field.balance_text());
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());
 }
 
 void RunLoop::summarise() {
-  if (!built_.dynamics().is_static()) {
+  if (built_.dynamics().has_balance()) {
     summary_.exchanged = control_.guard().exchanged();
     summary_.balance = control_.guard().open_balance() * summary_.exchanged;
   }

@@ -96,9 +96,9 @@ double Simulation::balance() const {
   return run_->built().dynamics().is_static() ? 0 : run_->control().guard().open_balance();
 }
 
-void Simulation::measure() { run_->built().body().models().measure(); }
+void Simulation::measure() { run_->built().body().measure(); }
 
-std::vector<FunctorCost> Simulation::costs() const { return run_->built().body().models().costs(); }
+std::vector<FunctorCost> Simulation::costs() const { return run_->built().body().costs(); }
 
 void Simulation::try_plugins() {
   ForceLoop& models = run_->built().body().models();

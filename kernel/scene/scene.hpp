@@ -21,6 +21,7 @@
 #include "kernel/scene/cell_values.hpp"
 #include "kernel/scene/constraint.hpp"
 #include "kernel/scene/event.hpp"
+#include "kernel/scene/field_condition.hpp"
 #include "kernel/scene/scene_places.hpp"
 #include "kernel/scene/selection.hpp"
 #include "kernel/topology/import.hpp"
@@ -177,6 +178,7 @@ struct Scene {
   TimeRamp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<Load> loads;
+  std::vector<FieldCondition> fields;
   ContactOptions contact;
   std::vector<Event> events;       ///< by time (Event::start)
   bool cuts_follow_blade = false;  ///< unless they say "along": version 2 of the format

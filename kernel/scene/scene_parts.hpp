@@ -80,6 +80,8 @@ void read_gravity(ObjectReader& top, Reading& reading);
 void read_constraints(ObjectReader& top, Reading& reading);
 void read_loads(ObjectReader& top, Reading& reading);
 void read_solver(const JsonValue& value, Reading& reading);
+/// After read_models and read_solver: models declare fields, and not every solver follows them.
+void read_field_conditions(ObjectReader& top, Reading& reading);
 /// After read_solver: not every solver sees obstacles.
 void read_contact(ObjectReader& top, Reading& reading);
 /// The operations of an event (read_cut.cpp, read_operations.cpp).

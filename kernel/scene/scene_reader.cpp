@@ -60,6 +60,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   read_loads(top, reading);
   const JsonValue* solver = top.require("solver", "how to run, and for how long");
   if (solver != nullptr) read_solver(*solver, reading);
+  read_field_conditions(top, reading);
   read_contact(top, reading);
   read_events(top, reading);
   read_output(top.find("output"), reading);

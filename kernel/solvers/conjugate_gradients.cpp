@@ -34,7 +34,15 @@ double dot(std::span<const double> a, std::span<const double> b) {
 LinearSolve ConjugateGradients::solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                                       std::span<const double> b, std::span<double> x,
                                       double tolerance, unsigned max_iterations) {
-  for (auto* vector : {&r_, &z_, &d_, &q_}) vector->resize(a.size());
+  return solve([&](const double* d, double* out) { a.apply(d, out); },
+               [&](const double* r, double* z) { preconditioner.apply(r, z); }, b, x, tolerance,
+               max_iterations);
+}
+
+LinearSolve ConjugateGradients::solve(const Product& a, const Product& preconditioner,
+                                      std::span<const double> b, std::span<double> x,
+                                      double tolerance, unsigned max_iterations) {
+  for (auto* vector : {&r_, &z_, &d_, &q_}) vector->resize(b.size());
   std::ranges::copy(b, r_.begin());
   std::ranges::fill(x, 0.0);
   const double target = tolerance * std::sqrt(dot(b, b));
@@ -48,13 +56,13 @@ LinearSolve ConjugateGradients::solve(const TangentMatrix& a, const Precondition
       result.outcome = LinearSolve::Outcome::too_many;
       return result;
     }
-    preconditioner.apply(r_.data(), z_.data());
+    preconditioner(r_.data(), z_.data());
     const double last = std::exchange(rz, dot(r_, z_));
     if (result.iterations == 0)
       d_ = z_;
     else
       view(std::span(d_)) = view(std::span(z_)) + rz / last * view(std::span(d_));
-    a.apply(d_.data(), q_.data());
+    a(d_.data(), q_.data());
     const double curvature = dot(d_, q_);
     if (!std::isfinite(curvature)) throw NumericalError("the tangent is not finite");
     if (!(curvature > 0)) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,10 @@ struct LinearSolve {
 /// and NumericalError if the tangent is not finite.
 class ConjugateGradients {
  public:
+  /// out = A d, or an approximation of A^-1 d; as many numbers as b has.
+  using Product = std::function<void(const double* d, double* out)>;
+  LinearSolve solve(const Product& a, const Product& preconditioner, std::span<const double> b,
+                    std::span<double> x, double tolerance, unsigned max_iterations);
   LinearSolve solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                     std::span<const double> b, std::span<double> x, double tolerance,
                     unsigned max_iterations);

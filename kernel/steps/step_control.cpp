@@ -246,7 +246,7 @@ void StepControl::check_state(const Notify& notify) {
 
 std::string StepControl::balance_warning() const {
   const double open = guard_.open_balance();
-  if (built_.dynamics().is_static() || !(std::abs(open) > notable_balance)) return "";
+  if (!built_.dynamics().has_balance() || !(std::abs(open) > notable_balance)) return "";
   std::ostringstream text;
   text << "the energy balance closes only to " << 100 * open << " % of the energy exchanged: ";
   if (scene_.solver.integrator == "implicit-euler")

@@ -42,11 +42,10 @@ TEST_F(NewModel, HasALevelForEveryKindOfCell) {
   struct Level {
     const char *name, *file, *words;
   };
-  const Level levels[] = {{"springs", "model.cpp", "on_edges"},
-                          {"nodes", "model.cpp", "on_vertices"},
-                          {"faces", "model.cpp", "on_faces"},
-                          {"batches", "model.cpp", "SUTURE_EDGE"},
-                          {"c", "model.c", "SUTURE_VERTEX"}};
+  const Level levels[] = {
+      {"springs", "model.cpp", "on_edges"},    {"nodes", "model.cpp", "on_vertices"},
+      {"faces", "model.cpp", "on_faces"},      {"field", "model.cpp", "vertex_field"},
+      {"batches", "model.cpp", "SUTURE_EDGE"}, {"c", "model.c", "SUTURE_VERTEX"}};
   for (const auto& [name, file, words] : levels) {
     const std::string folder = std::string("my-") + name + "/";
     EXPECT_EQ(suture({"new-model", std::string("my-") + name, "--level", name}).code, 0) << name;

@@ -155,7 +155,7 @@ void expect_sums_again(Summed& s, TouchedSums& touched, const TopologyChange& ch
     const Index row = s.instance->table(1).cells.row(cell);
     if (row != none) s.instance->column(fake::edge)->set(row, 0, -5);
   }
-  touched.sum(*s.instance, s.body.complex, rest, change, s.attributes.mass());
+  touched.sum(*s.instance, s.body.complex, rest, change);
   touched.clear(change);
   for (Index v = 0; v < s.attributes.vertex_count(); ++v)
     ASSERT_EQ(s.attributes.mass().get(v, 0), fresh.mass().get(v, 0)) << v;
@@ -193,7 +193,7 @@ TEST(TouchedSums, TakeUniformValuesUntilTheyDiffer) {
   const auto sum = [&](Index v) {
     for (const Index w : change.stars[0].cells) s.attributes.mass().set(w, 0, 1);  // of another
     RestBatch rest = s.batch();
-    touched.sum(*s.instance, s.body.complex, rest, change, s.attributes.mass());
+    touched.sum(*s.instance, s.body.complex, rest, change);
     touched.clear(change);
     return s.attributes.mass().get(v, 0);
   };

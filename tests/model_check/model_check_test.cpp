@@ -17,6 +17,7 @@ std::vector<const suture_model*> builds_of(const std::string& id) {
   static PluginHost host;
   static const bool added = (host.add_file(TEST_PLUGINS "/planted-faults.so"),
                              host.add_file(TEST_PLUGINS "/active-laws.so"),
+                             host.add_file(TEST_PLUGINS "/faulty-rates.so"),
                              host.add_file(SDK_PLUGINS "/neo-hooke.so"), true);
   EXPECT_TRUE(added);
   std::vector<const suture_model*> models;
@@ -72,7 +73,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"isa", "builds"}, Planted{"one-node-off", "gradient"},
                     Planted{"velocity-drag", "balance"}, Planted{"allocates", "allocations"},
                     Planted{"active-ignores-end", "parameters"},
-                    Planted{"active-fixed-axis", "objectivity"}),
+                    Planted{"active-fixed-axis", "objectivity"}, Planted{"rate-upwind", "rates"},
+                    Planted{"rate-source", "rates"}, Planted{"rate-blind", "rates"},
+                    Planted{"rate-no-capacity", "field-cut"}),
     [](const auto& test) {
       std::string name = test.param.fault;
       std::erase(name, '-');
@@ -114,8 +117,9 @@ class GoodModels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ModelCheck, GoodModels,
                          testing::Values("none", "neo-hooke", "active-muscle", "active-tone",
                                          "corotational", "damage", "damage-springs", "fibres",
-                                         "hooke", "mooney-rivlin", "mss-baudet", "mss-golec",
-                                         "neo-hookean", "tm-faure", "visco"),
+                                         "heat", "hooke", "mooney-rivlin", "mss-baudet",
+                                         "mss-golec", "neo-hookean", "thermoelastic", "tm-faure",
+                                         "visco"),
                          [](const auto& test) {
                            std::string name = test.param;
                            std::erase(name, '-');

@@ -40,9 +40,27 @@ struct Tables {
                                      "pull", "N", "A load.", 0, nullptr}};
   std::uint32_t cell_columns[1] = {1};
   std::uint32_t vertex_columns[2] = {2, UINT32_MAX};
-  suture_functor functors[1] = {{sizeof(suture_functor), 1, SUTURE_EDGE, 0, 0, 8, 0,
-                                 SUTURE_READ_POSITION, 1, 2, 0, 0, cell_columns, vertex_columns,
-                                 "edges", "Springs.", force, nullptr, nullptr}};
+  suture_functor functors[1] = {{sizeof(suture_functor),
+                                 1,
+                                 SUTURE_EDGE,
+                                 0,
+                                 0,
+                                 8,
+                                 0,
+                                 SUTURE_READ_POSITION,
+                                 1,
+                                 2,
+                                 0,
+                                 0,
+                                 cell_columns,
+                                 vertex_columns,
+                                 "edges",
+                                 "Springs.",
+                                 force,
+                                 nullptr,
+                                 nullptr,
+                                 0,
+                                 0}};
   suture_model models[2] = {{sizeof(suture_model), 0, "mass-springs", "Springs.", "f = k u", "none",
                              2, 3, 1, 0, parameters, attributes, functors, prepare, 64, nullptr},
                             {sizeof(suture_model), 0, "other", "Springs.", "f = k u", "none", 2, 3,
@@ -268,6 +286,29 @@ const TableCase attribute_cases[] = {
            "policy SUTURE_FROM_VOLUMES"},
     {"Initial", [](Tables& t) { t.attributes[2].initial = nan; },
      MODEL ", attribute 'pull': its initial value is not finite"},
+    {"FieldWithState", [](Tables& t) { t.attributes[2].flags |= SUTURE_FIELD; },
+     MODEL ", attribute 'pull': has SUTURE_FIELD: expected dimension 0, 1 component, policy "
+           "SUTURE_COPY and neither a trial copy nor another use"},
+    {"CapacityWithoutField", [](Tables& t) { t.attributes[0].flags = SUTURE_CAPACITY; },
+     MODEL ", attribute 'mass': has SUTURE_CAPACITY, but no field (SUTURE_FIELD) stands before it "
+           "that has none yet"},
+    {"CapacityOfEdges",
+     [](Tables& t) {
+       t.attributes[0] = {sizeof(suture_attribute),
+                          0,
+                          1,
+                          SUTURE_COPY,
+                          SUTURE_FIELD,
+                          0,
+                          "T",
+                          "K",
+                          "Heat",
+                          0,
+                          nullptr};
+       t.attributes[1].flags = SUTURE_CAPACITY;
+     },
+     MODEL ", attribute 'k': has SUTURE_CAPACITY: expected dimension 0, 1 component, policy "
+           "SUTURE_FROM_VOLUMES and neither a trial copy nor another use"},
 };
 
 const TableCase functor_cases[] = {
@@ -299,6 +340,16 @@ const TableCase functor_cases[] = {
     {"MassAsColumn", [](Tables& t) { t.vertex_columns[0] = 0; },
      MODEL ", functor 'edges': its vertex column 0 has SUTURE_SHARED_MASS and is therefore not a "
            "column; use the vertex column UINT32_MAX for the vertex mass"},
+    {"RateOfNoField", [](Tables& t) { t.functors[0].field = 3; },
+     MODEL ", functor 'edges': its field is 3, expected 0 or 1 + the index of an attribute with "
+           "SUTURE_FIELD"},
+    {"RateWithoutTangent",
+     [](Tables& t) {
+       t.attributes[2].components = 1;
+       t.attributes[2].flags = SUTURE_FIELD;
+       t.functors[0].field = 3;
+     },
+     MODEL ", functor 'edges': changes a field, but has no suture.tangent/1"},
     {"NullColumns", [](Tables& t) { t.functors[0].cell_columns = nullptr; },
      MODEL ", functor 'edges': cell_columns is NULL, but its count is 1"},
 };

@@ -159,6 +159,8 @@ class cell {
   using element = lane_type<real>;  ///< double or float
 
   static constexpr bool sets_forces = Purpose == purpose::force;
+  /// The rest shapes for which the functor is written.
+  static constexpr std::uint32_t shape = Functor::shape;
 
   SUTURE_INLINE cell(const suture_context* context, const batch_of<T>* batch, int lane,
                      element* force = nullptr, const element* dx = nullptr,
@@ -209,15 +211,22 @@ class cell {
   /// A component of a column of a node.
   template <std::uint32_t Place>
   SUTURE_INLINE real vertex_column(suture::column<Place>, int node, int component = 0) const {
-    constexpr int index = Functor::vertex_columns.index_of(Place);
-    static_assert(index >= 0,
-                  "vertex_column() is not declared: name the column in the functor's "
-                  "`vertex_columns = suture::columns(...)`");
-    constexpr int components = detail::components_of<Model, Place>();
-    SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
-    SUTURE_DETAIL_CHECK_INDEX(component, component, components);
-    return load<real>(batch_->vertex_columns[index] + (node * components + component) * stride +
-                      lane_);
+    static_assert(
+        !detail::is_rate_of<Functor, Place>,
+        "read the field that the functor changes by field(node), which is differentiated");
+    return vertex_value<Place>(node, component);
+  }
+  /// In rate(): the field that the functor changes (rate_of), at a node. Its vertex_columns name
+  /// the field.
+  SUTURE_INLINE T field(int node) const {
+    static_assert(detail::has_rate_of<Functor>,
+                  "field() is the field that the functor changes: declare `static constexpr auto "
+                  "rate_of = ...`; read other fields by vertex_column()");
+    const real value = vertex_value<Functor::rate_of.place>(node, 0);
+    if constexpr (is_dual<T>)
+      return T(value, load<real>(dx_ + node * 3 * stride + lane_));
+    else
+      return value;
   }
   /// Writes the trial copy of a column declared with trial(): the next state of a
   /// material with memory. column() keeps the accepted state until the kernel accepts
@@ -293,15 +302,18 @@ class cell {
   /// Sets the force on a node, N. Every node must be set exactly once: the array is not
   /// cleared beforehand. With dual numbers the derivative is stored.
   SUTURE_INLINE void force(int node, const vec3<T>& f) const {
-    static_assert(sets_forces, "forces may be set only in the functor's force()");
-    SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
-    for (int c = 0; c < 3; ++c) {
-      element* const p = force_ + (node * 3 + c) * stride + lane_;
-      if constexpr (is_dual<T>)
-        store(p, f[c].derivative);
-      else
-        store(p, f[c]);
-    }
+    static_assert(sets_forces && !detail::has_rate_of<Functor>,
+                  "forces may be set only in the functor's force()");
+    set(node, f);
+  }
+
+  /// Sets what flows into a node per second, in the unit of the capacity of the field times that
+  /// of the field (J/K . K/s = W). Every node must be set exactly once. With dual numbers the
+  /// derivative is stored.
+  SUTURE_INLINE void rate(int node, const T& r) const {
+    static_assert(sets_forces && detail::has_rate_of<Functor>,
+                  "rates may be set only in rate() of a functor with `rate_of`");
+    set(node, {r, T(0.0), T(0.0)});
   }
 
   // ---- findings ----
@@ -344,6 +356,29 @@ class cell {
                   "column() is not declared: name the column in the functor's "
                   "`cell_columns = suture::columns(...)`");
     return detail::leading_columns<Model, Functor> + index;
+  }
+
+  template <std::uint32_t Place>
+  SUTURE_INLINE real vertex_value(int node, int component) const {
+    constexpr int index = Functor::vertex_columns.index_of(Place);
+    static_assert(index >= 0,
+                  "vertex_column() is not declared: name the column in the functor's "
+                  "`vertex_columns = suture::columns(...)`");
+    constexpr int components = detail::components_of<Model, Place>();
+    SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
+    SUTURE_DETAIL_CHECK_INDEX(component, component, components);
+    return load<real>(batch_->vertex_columns[index] + (node * components + component) * stride +
+                      lane_);
+  }
+  SUTURE_INLINE void set(int node, const vec3<T>& f) const {
+    SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
+    for (int c = 0; c < 3; ++c) {
+      element* const p = force_ + (node * 3 + c) * stride + lane_;
+      if constexpr (is_dual<T>)
+        store(p, f[c].derivative);
+      else
+        store(p, f[c]);
+    }
   }
 
   /// An aggregate of reals from the components of a column.

@@ -52,6 +52,11 @@
 // dt = 0 the state of a law that depends on rates must not change. The layer stores the state, and
 // accepts or drops it with the step.
 //
+// A law reads fields, such as a temperature, at its points:
+//   vertex_fields[]              suture::vertex_field(name, unit, doc); energy(F, p, at) and
+//                                stress(F, p, at) find the values in at.field[i], and
+//                                differentiate at constant fields
+//
 // A model may also have
 //   static constexpr suture::element_type default_element
 //                                the element of scenes that name none (default:
@@ -382,7 +387,7 @@ struct continuum : model {
                    element_names)
                 .or_else(int(detail::default_element_of<M>()))};
   }
-  static constexpr auto added_attributes() { return detail::state_attributes<M>(); }
+  static constexpr auto added_attributes() { return detail::attributes_of_law<M>(); }
   template <class Material>
   static void prepare_added(const setup& p, const Material& material, rest_moduli& moduli) {
     detail::prepare_element<M>(p, material, moduli);

@@ -177,6 +177,13 @@ constexpr attribute volume_attribute(const char* name, const char* unit, const c
   return make_attribute(3, name, unit, doc, n);
 }
 
+/// An unknown on vertices that the host integrates (SUTURE_FIELD): all models of a body that
+/// declare a field of this name share it. A cut leaves both parts of a vertex its value. Laws read
+/// it where they declare it, a functor changes it by its rate().
+constexpr attribute vertex_field(const char* name, const char* unit, const char* doc) {
+  return vertex_attribute(name, unit, doc).copy().flag(SUTURE_FIELD);
+}
+
 /// Receives the results of a contribution: `set(k, component, value)`, k as in plugin.h.
 template <class R, int components>
 struct contribution_results {
@@ -189,6 +196,8 @@ struct contribution_results {
 };
 
 // --------------------------------------------------------------- functors --
+
+struct no_column {};
 
 /// The defaults of a functor; it overrides them with members of the same name.
 struct functor_defaults {
@@ -211,6 +220,8 @@ struct functor_defaults {
   static constexpr bool added_element_constants = false;
   static constexpr column_list<> cell_columns{};
   static constexpr column_list<> vertex_columns{};
+  /// The field that the functor changes: it has rate() instead of force().
+  static constexpr no_column rate_of{};
 };
 struct on_vertices : functor_defaults {
   static constexpr std::uint32_t dimension = 0, cell_type = SUTURE_VERTEX;

@@ -34,7 +34,8 @@
 //                                           differ from element to element, Constants<R>
 // Members of a functor, besides those of its base (on_vertices, on_edges, on_faces,
 // on_volumes):
-//   M force(Cell&)                          sets the force on every node
+//   M force(Cell&)                          sets the force on every node, or
+//     rate_of, rate(Cell&)                  the field that it changes, and the rate of every node
 //     reads                                 suture_read bits; positions alone otherwise
 //     cell_columns, vertex_columns          columns(...), see columns.hpp
 //     energy(const Cell&)                -> T, J

@@ -136,8 +136,17 @@ enum suture_attribute_flag {
                                        SUTURE_PER_ELEMENT; policy COPY */
   SUTURE_FROM_PARAMETERS = 1u << 4, /* dimension 3: the contribution depends on parameters
                                        only, and is computed once if these are uniform */
-  SUTURE_INTERNAL = 1u << 5         /* of no interest to users: not listed, and a scene
+  SUTURE_INTERNAL = 1u << 5,        /* of no interest to users: not listed, and a scene
                                        cannot set it */
+  /* Hosts older than the next two refuse the model by name. */
+  SUTURE_FIELD = 1u << 6,   /* an unknown on vertices, such as a temperature, which the host
+                               integrates: dimension 0, 1 component, policy COPY. One column for
+                               all models of a body with a field of this name; where vertices
+                               merge, the mean weighs by capacity */
+  SUTURE_CAPACITY = 1u << 7 /* of the field that is declared last before it: what a vertex
+                               takes up per unit of the field, such as J/K; the contributions
+                               of all models are summed. Dimension 0, 1 component,
+                               FROM_VOLUMES, not negative */
 };
 
 /* The types of cells for which functors and contributions are written. */
@@ -311,6 +320,13 @@ typedef struct suture_functor {
    * all declared inputs, runs functors without alternatives whatever they return,
    * and runs the last enabled one of each group of alternatives. */
   int32_t (*enabled)(const suture_context* context, uint32_t* reads);
+  /* 0: `force` computes forces. Otherwise 1 + the index of an attribute with SUTURE_FIELD:
+   * `force` computes what flows into each node per second (unit of capacity x field / s), in
+   * component 0 of batch->force; components 1 and 2 are 0. Such a functor has no trial
+   * columns, and offers suture.tangent/1, symmetric, where dx is a change of the field, laid
+   * out likewise, and dv is 0. */
+  uint32_t field;
+  uint32_t reserved_2; /* 0 */
 } suture_functor;
 
 enum suture_model_flag {

@@ -44,7 +44,18 @@ SUTURE_DETAIL_HAS(name)
 SUTURE_DETAIL_HAS(default_element)
 SUTURE_DETAIL_HAS(survives_inversion)
 SUTURE_DETAIL_HAS(states)
+SUTURE_DETAIL_HAS(vertex_fields)
 #undef SUTURE_DETAIL_HAS
+
+/// Whether the functor changes a field, and has rate() instead of force().
+template <class F, class = void>
+inline constexpr bool has_rate_of = false;
+template <class F>
+inline constexpr bool has_rate_of<F, std::enable_if_t<(F::rate_of.place >= 0)>> = true;
+template <class F, std::uint32_t Place, class = void>
+inline constexpr bool is_rate_of = false;
+template <class F, std::uint32_t Place>
+inline constexpr bool is_rate_of<F, Place, std::enable_if_t<F::rate_of.place == Place>> = true;
 
 // An optional function is detected by a call with the expected arguments. A function that has its
 // name but cannot be called in this way would be ignored without a message; therefore

@@ -22,13 +22,22 @@ namespace suture::detail {
 template <class F>
 inline constexpr int nodes_to_check = F::nodes;
 
+/// The force or the rate of a functor.
+template <class F, class Cell>
+SUTURE_INLINE void set_result(Cell& c) {
+  if constexpr (has_rate_of<F>)
+    F::rate(c);
+  else
+    F::force(c);
+}
+
 /// x - x is 0 for a finite number and NaN for infinities and NaNs. One sum per coordinate: a
 /// single sum would be a chain of additions, each of which waits for the one before.
 template <class M, class F>
 SUTURE_DETAIL_FLATTENED void force_pack(const suture_context* context, const suture_batch* batch,
                                         int lane) {
   cell<native, M, F, purpose::force> c(context, batch, lane, batch->force);
-  F::force(c);
+  set_result<F>(c);
   const auto force = [&](int i) {
     return native::load(batch->force + i * int(SUTURE_LANES) + lane);
   };
@@ -36,7 +45,8 @@ SUTURE_DETAIL_FLATTENED void force_pack(const suture_context* context, const sut
   for (int n = 1; n < nodes_to_check<F>; ++n)
     for (int i = 0; i < 3; ++i) sum[i] += force(3 * n + i);
   const native all = sum[0] + sum[1] + sum[2];
-  if (__builtin_expect(any(all - all != 0.0), 0)) fail_not_finite<F::nodes>(batch);
+  if (__builtin_expect(any(all - all != 0.0), 0))
+    fail_not_finite<F::nodes>(batch, has_rate_of<F> ? "rate" : "force");
 }
 template <class M, class F>
 suture_status force(const suture_context* context, const suture_batch* batch) noexcept {
@@ -48,7 +58,7 @@ template <class M, class F>
 [[gnu::noinline]] void tangent_pack(const suture_context* context, const suture_batch* batch,
                                     int lane, double* df, const double* dx, const double* dv) {
   cell<dual<native>, M, F, purpose::force> c(context, batch, lane, df, dx, dv);
-  F::force(c);
+  set_result<F>(c);
 }
 
 template <class M, class F>
@@ -70,7 +80,7 @@ template <class M, class F>
                                            const suture_single_batch* batch, int lane, float* df,
                                            const float* dx, const float* dv) {
   cell<dual<native_single>, M, F, purpose::force> c(context, batch, lane, df, dx, dv);
-  F::force(c);
+  set_result<F>(c);
 }
 
 template <class M, class F>

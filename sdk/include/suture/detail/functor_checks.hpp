@@ -55,6 +55,22 @@ constexpr void check_optional_functions() {
 }
 
 template <class M, class F>
+constexpr void check_rate() {
+  if constexpr (has_rate_of<F>) {
+    constexpr std::uint32_t place = F::rate_of.place;
+    static_assert((attribute_at<M>(place).flags & SUTURE_FIELD) != 0,
+                  "`rate_of` names an attribute that is no field: declare it by vertex_field()");
+    static_assert(F::vertex_columns.index_of(place) >= 0,
+                  "a functor reads the field that it changes: name it in `vertex_columns`");
+    static_assert(has_rate<F, cell<native, M, F, purpose::force>>,
+                  "a functor with `rate_of` needs `template <class Cell> static void rate(Cell& "
+                  "cell)`, which sets the rate of every node");
+    static_assert(!names_energy<F> && !names_bounds<F>,
+                  "a functor with `rate_of` has no energy() and no bounds()");
+  }
+}
+
+template <class M, class F>
 constexpr void check_functor() {
   static_assert(has_nodes<F>,
                 "a functor, or a model without `functors`, must derive from suture::on_vertices, "
@@ -62,9 +78,10 @@ constexpr void check_functor() {
   static_assert(has_name<F> || has_id<F>, "a functor needs `static constexpr const char* name`");
   static_assert(has_doc<F>, "a functor needs `static constexpr const char* doc`");
   if constexpr (has_nodes<F>) {
-    static_assert(has_force<F, cell<native, M, F, purpose::force>>,
+    static_assert(has_rate_of<F> || has_force<F, cell<native, M, F, purpose::force>>,
                   "a functor needs `template <class Cell> static void force(Cell& cell)`, which "
                   "sets the force on every node");
+    check_rate<M, F>();
     check_optional_functions<M, F>();
     check_columns<M, F>();
   }

@@ -72,7 +72,8 @@ SUTURE_INLINE suture_status for_packs(const suture_context* context, const batch
 
 /// Reports the lane and cause of a force that is not finite; zeroes the forces of the batch.
 template <int Nodes>
-[[noreturn, gnu::cold, gnu::noinline]] void fail_not_finite(const suture_batch* batch) {
+[[noreturn, gnu::cold, gnu::noinline]] void fail_not_finite(const suture_batch* batch,
+                                                            const char* result) {
   int bad = -1;
   for (int lane = 0; lane < int(SUTURE_LANES) && bad < 0; ++lane)
     for (int i = 0; i < Nodes * 3; ++i)
@@ -84,8 +85,9 @@ template <int Nodes>
   }
   std::memset(batch->force, 0, sizeof(double) * Nodes * 3 * SUTURE_LANES);
   failure f(input ? SUTURE_RETRY : SUTURE_STOP,
-            input ? "the force is not finite although positions and velocities are: the cell is "
-                    "outside the range in which its law is valid"
+            input ? "the " + std::string(result) +
+                        " is not finite although positions and velocities are: the cell is outside "
+                        "the range in which its law is valid"
                   : "positions or velocities are not finite");
   f.lane = bad;
   throw f;

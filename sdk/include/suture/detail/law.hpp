@@ -239,8 +239,10 @@ constexpr bool check_law() {
   static_assert(
       !has_state<M> || sizeof(state_of<M, double>) / sizeof(double) == state_components<M>(),
       "`states` of this law must have as many components in all as State<T> has numbers");
-  static_assert(!has_state<M> || !has_points<M>,
-                "a law with a state has 2 Gauss points per axis: leave out points()");
+  static_assert((!has_state<M> && !has_vertex_fields<M>) || !has_points<M>,
+                "a law with a state or fields has 2 Gauss points per axis: leave out points()");
+  static_assert(!has_vertex_fields<M> || !is_isotropic<M>,
+                "isotropic() of a law does not read fields: leave it out, or vertex_fields");
   static_assert(
       !declares_parameter<M>("element"),
       "every continuum model has the parameter \"element\" already, which chooses between "

@@ -81,6 +81,7 @@ template <class M, class Shape, int Points, bool = has_energy_density<M>>
 struct law_functor : on_volumes {
   static_assert(check_law<M>());
   static constexpr bool element_parameters = varies<M>;
+  static constexpr auto vertex_columns = field_columns<M>;
   static constexpr auto fields = fields_of_law<M>();
 
   template <class Cell, class Results>

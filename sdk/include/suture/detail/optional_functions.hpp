@@ -36,6 +36,12 @@ inline constexpr bool has_force<F, Cell, std::void_t<decltype(F::force(std::decl
     true;
 
 template <class F, class Cell, class = void>
+inline constexpr bool has_rate = false;
+template <class F, class Cell>
+inline constexpr bool has_rate<F, Cell, std::void_t<decltype(F::rate(std::declval<Cell&>()))>> =
+    true;
+
+template <class F, class Cell, class = void>
 inline constexpr bool has_output = false;
 template <class F, class Cell>
 inline constexpr bool

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// suture/detail/state.hpp - the state of a law at the Gauss points: its columns, and how it gets
-// from them to the law and back. Authors need not read it.
+// suture/detail/state.hpp - the state of a law at the Gauss points, and the fields that it reads
+// there: their columns, and how they get from them to the law and back. Authors need not read it.
 #ifndef SUTURE_DETAIL_STATE_HPP
 #define SUTURE_DETAIL_STATE_HPP
 
 #include <utility>
 
+#include "suture/hexahedron_gradients.hpp"
 #include "suture/model.hpp"
 
 namespace suture {
@@ -17,9 +18,16 @@ constexpr attribute state(const char* name, const char* unit, const char* doc, i
 }
 
 /// What a law receives besides F and p. `state`: the model's State<T>, at the end of the step
-/// (in evolve() at first: at its beginning). `time` and `dt`, s, as those of a cell.
-template <class State>
+/// (in evolve() at first: at its beginning). `time` and `dt`, s, as those of a cell. `field`: the
+/// values of the model's vertex_fields at the point.
+template <class State, class R = double, std::size_t Fields = 0>
 struct instant {
+  State state;
+  double time, dt;
+  R field[Fields];
+};
+template <class State, class R>
+struct instant<State, R, 0> {
   State state;
   double time, dt;
 };
@@ -39,8 +47,15 @@ template <class M, class T>
 using state_of = typename state_of_model<M, T>::type;
 template <class M>
 inline constexpr bool has_state = !std::is_same_v<state_of<M, double>, no_state>;
+template <class M>
+constexpr std::size_t field_count() {
+  if constexpr (has_vertex_fields<M>)
+    return std::size(M::vertex_fields);
+  else
+    return 0;
+}
 template <class M, class T>
-using instant_of = instant<state_of<M, T>>;
+using instant_of = instant<state_of<M, T>, real_of<T>, field_count<M>()>;
 
 template <class M>
 constexpr std::size_t state_count() {
@@ -78,15 +93,27 @@ constexpr attribute state_attribute() {
   a.name = name_of_state<M, I / 8, int(I % 8)>::text.data();
   return a;
 }
-/// An attribute per part and Gauss point: 8 for each part.
-template <class M, std::size_t... I>
-constexpr std::array<attribute, sizeof...(I)> state_attributes(std::index_sequence<I...>) {
-  return {state_attribute<M, I>()...};
+/// An attribute per part and Gauss point, 8 for each part, then one per field.
+template <class M, std::size_t... I, std::size_t... Field>
+constexpr std::array<attribute, sizeof...(I) + sizeof...(Field)> attributes_of_law(
+    std::index_sequence<I...>, std::index_sequence<Field...>) {
+  return {state_attribute<M, I>()..., attribute(M::vertex_fields[Field])...};
 }
 template <class M>
-constexpr auto state_attributes() {
-  return state_attributes<M>(std::make_index_sequence<state_count<M>() * 8>());
+constexpr auto attributes_of_law() {
+  return attributes_of_law<M>(std::make_index_sequence<state_count<M>() * 8>(),
+                              std::make_index_sequence<field_count<M>()>());
 }
+
+template <class M, std::size_t... Field>
+constexpr auto field_columns_of(std::index_sequence<Field...>)
+    -> column_list<std::uint32_t(first_added_attribute<M> + state_count<M>() * 8 + Field)...> {
+  return {};
+}
+/// The vertex columns of the fields that a law reads.
+template <class M>
+inline constexpr auto field_columns =
+    field_columns_of<M>(std::make_index_sequence<field_count<M>()>());
 
 /// The columns of an element with 1 or 8 points: those of a part are neighbours.
 template <class M, int Points, std::size_t... I>
@@ -132,10 +159,34 @@ instant_of<M, T> first_instant() {
     for_state<M>([numbers = numbers_of<T>(at.state)](int part, int, int number) {
       numbers[number] = M::states[part].initial;
     });
+  if constexpr (has_vertex_fields<M>)
+    for (std::size_t i = 0; i < field_count<M>(); ++i) at.field[i] = M::vertex_fields[i].initial;
   return at;
 }
 
-/// The accepted state at a Gauss point of an element with `Points`.
+/// N_n at a Gauss point of an element with 8, at the centre of one with 1.
+template <int Points>
+constexpr double node_weight(int point, int n) {
+  double weight = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool is_near = (point >> axis & 1) == (n >> axis & 1);
+    weight *= Points == 1 ? 0.5 : is_near ? 1 - gauss<2>::first : gauss<2>::first;
+  }
+  return weight;
+}
+template <int Points, class Cell, std::uint32_t... Places, class R, std::size_t Fields>
+SUTURE_INLINE void interpolate_fields(const Cell& c, int point, column_list<Places...>,
+                                      R (&field)[Fields]) {
+  std::size_t i = 0;
+  const auto one = [&](auto place) SUTURE_DETAIL_INLINED {
+    R sum(0.0);
+    for (int n = 0; n < 8; ++n) sum += node_weight<Points>(point, n) * c.vertex_column(place, n);
+    field[i++] = sum;
+  };
+  (one(column<Places>()), ...);
+}
+
+/// The accepted state at a Gauss point of an element with `Points`, and the fields there.
 template <class M, int Points, class Cell>
 SUTURE_INLINE instant_of<M, typename Cell::scalar> accepted_instant(const Cell& c, int point) {
   using T = typename Cell::scalar;
@@ -147,6 +198,8 @@ SUTURE_INLINE instant_of<M, typename Cell::scalar> accepted_instant(const Cell& 
       numbers_of<T>(at.state)[number] =
           c.column(state_columns<M, Points>, part * Points + point, i);
     });
+  if constexpr (has_vertex_fields<M>)
+    interpolate_fields<Points>(c, point, field_columns<M>, at.field);
   return at;
 }
 

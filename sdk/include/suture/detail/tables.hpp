@@ -70,9 +70,9 @@ const void* extension(const char* id) noexcept {
     static constexpr suture_energy_1 table{sizeof(suture_energy_1), 0, &energy<M, F>};
     if (is(SUTURE_ENERGY_1)) return &table;
   }
-  if (is(SUTURE_STABLE_DT_1)) {
+  if constexpr (!has_rate_of<F>) {
     static constexpr suture_stable_dt_1 table{sizeof(suture_stable_dt_1), 0, &bounds<M, F>};
-    return &table;
+    if (is(SUTURE_STABLE_DT_1)) return &table;
   }
   if constexpr (has_inspect<F, cell<native, M, F, purpose::inspection>>) {
     static constexpr suture_inspect_1 table{sizeof(suture_inspect_1), 0, &inspect<M, F>};
@@ -151,8 +151,10 @@ struct scaled_by_part {
     const auto is = [id](const char* name) { return std::strcmp(id, name) == 0; };
     static constexpr suture_tangent_1 of_tangent{sizeof(suture_tangent_1), 0, &tangent};
     if (is(SUTURE_TANGENT_1)) return &of_tangent;
-    static constexpr suture_stable_dt_1 of_bounds{sizeof(suture_stable_dt_1), 0, &bounds};
-    if (is(SUTURE_STABLE_DT_1)) return &of_bounds;
+    if constexpr (!has_rate_of<F>) {
+      static constexpr suture_stable_dt_1 of_bounds{sizeof(suture_stable_dt_1), 0, &bounds};
+      if (is(SUTURE_STABLE_DT_1)) return &of_bounds;
+    }
     if constexpr (has_energy<F, cell<native, M, F>>) {
       static constexpr suture_energy_1 of_energy{sizeof(suture_energy_1), 0, &energy};
       if (is(SUTURE_ENERGY_1)) return &of_energy;
@@ -196,6 +198,7 @@ constexpr suture_functor functor_of() {
   f.force = &force<M, F>;
   f.extension = &extension<M, F>;
   if constexpr (has_enabled<F>) f.enabled = &enabled<M, F>;
+  if constexpr (has_rate_of<F>) f.field = 1 + F::rate_of.place;
   return f;
 }
 

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "kernel/attributes/attributes.hpp"
+#include "kernel/fields/value_path.hpp"
+#include "kernel/forces/dead_loads.hpp"
+#include "kernel/forces/force_loop.hpp"
+#include "kernel/solvers/conjugate_gradients.hpp"
+
+namespace suture {
+
+/// What became of a field since the start: content = that at the start + inflow + produced +
+/// changed, but for rounding. In the unit of the capacity times that of the field (J/K . K = J).
+struct FieldBalance {
+  double content = 0;   ///< sum C u
+  double inflow = 0;    ///< by fluxes, and through vertices whose value is prescribed
+  double produced = 0;  ///< by models; 0 for conduction
+  double changed = 0;   ///< by operations, and between equilibria
+};
+
+/// The equation of one field, by vertices:
+///   C du/dt = r(u) + q      r: rates of the models, q: fluxes
+/// with the values of some vertices prescribed. It has its own steps between those of the motion,
+/// at the positions that the motion has reached. The same bits for any number of threads. Vertices
+/// without a capacity and a rate keep their value.
+class FieldEquation {
+ public:
+  /// `threads`: as for ForceLoop.
+  FieldEquation(Attributes& attributes, const CellComplex& complex, const VertexField& field,
+                unsigned threads);
+
+  const VertexField& field() const { return field_; }
+  ForceLoop& rates() { return rates_; }
+  const ForceLoop& rates() const { return rates_; }
+
+  // ---- conditions ----
+
+  /// Sets values at the start.
+  void set(std::span<const Index> vertices, double value);
+  /// From now on, the values of these vertices follow a path. Where two paths differ at a vertex,
+  /// that vertex is returned, and nothing has changed; otherwise `none`.
+  Index prescribe(std::span<const Index> vertices, const ValuePath& path);
+  /// Flows into faces, per rest area: the first component of a traction.
+  DeadLoads& fluxes() { return fluxes_; }
+  bool is_prescribed(Index vertex) const { return paths_of_[vertex] != 0; }
+
+  // ---- steps ----
+
+  /// Starts at `time`. Throws InputError if a vertex takes part that has no capacity, unless
+  /// `steady`.
+  void start(double time, bool steady);
+  /// A step from `time` on, in steps of forward Euler that are short enough to be stable. Throws
+  /// NumericalError if a value is not finite, and the errors of models.
+  void advance_explicitly(double time, double dt);
+  /// The step of backward Euler that ends at `end`. Throws NumericalError if its equations are not
+  /// solved.
+  void advance_implicitly(double end, double dt) { solve(end, 1 / dt); }
+  /// The steady state at `time`. Throws as that.
+  void settle(double time) { solve(time, 0); }
+  /// The longest stable step, s: 1 / lambda, lambda a bound on the eigenvalues of -C^-1 dr/du.
+  double stable_step(double time);
+
+  /// The models have other parameters.
+  void forget_models() { stable_ = 0; }
+
+  FieldBalance balance() const;
+  /// When the last path or ramp ends, s.
+  double last_change() const;
+  /// "temperature: content 12 J; since the start, 3 J came in, ...".
+  std::string balance_text() const;
+  /// The unit of its content: "J".
+  std::string unit_of_content() const;
+
+  // ---- operations and states ----
+
+  void before_operation() { content_ = sum_content(); }
+  void follow(const CellComplex& complex, const TopologyChange& change);
+  /// For a step that is refused: the state before it.
+  void keep();
+  void restore();
+  void state(Archive& archive);
+
+ private:
+  struct Held {
+    Index vertex;
+    std::uint32_t path;
+  };
+  void find_held();
+  double prescribed(const Held& held, double time) const { return paths_[held.path].value(time); }
+  void evaluate(double time);
+  void explicit_step(double time, double dt);
+  void require_finite() const;
+  double sum_content() const;
+  double capacity(Index v) const { return field_.capacity ? field_.capacity->rows()[v] : 0; }
+  // Newton's method (field_newton.cpp)
+  void solve(double time, double per_dt);
+  void find_diagonal(double time);
+  double find_residual(double per_dt);
+  void apply(const double* d, double* out, double time, double per_dt);
+  double rounding(double per_dt) const;
+  void book(double per_dt);
+
+  Attributes& attributes_;
+  const VertexField& field_;
+  ForceLoop rates_;
+  DeadLoads fluxes_;
+  std::vector<ValuePath> paths_;
+  std::vector<std::uint32_t> paths_of_;          ///< by vertex: 1 + the number of its path; 0: none
+  std::vector<Held> held_;                       ///< the same, ascending
+  AlignedVector<double> rate_rows_, flux_rows_;  ///< of 4 per vertex, the first counts
+  bool has_fluxes_ = false;
+  FieldBalance balance_;  ///< without the content
+  double start_ = 0;      ///< the content then
+  double content_ = 0;    ///< before an operation
+  double stable_ = 0;     ///< s; 0: to be found
+  std::uint64_t steps_since_ = 0;
+  // Of Newton's method, by vertex:
+  std::vector<double> before_, diagonal_, sums_, residual_, change_, direction_, product_;
+  ConjugateGradients solver_;
+  std::vector<double> kept_;
+  FieldBalance kept_balance_;
+};
+
+}  // namespace suture

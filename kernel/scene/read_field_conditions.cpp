@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "kernel/base/escape.hpp"
+#include "kernel/scene/scene_parts.hpp"
+
+namespace suture::scene_parts {
+namespace {
+
+using Kind = FieldCondition::Kind;
+
+/// Whether some model has a functor that changes the field.
+bool is_changed(const Scene& scene, const std::string& field) {
+  return std::ranges::any_of(scene.models, [&](const ModelUse& use) {
+    const std::span functors(use.model->functors, use.model->functor_count);
+    return std::ranges::any_of(functors, [&](const suture_functor& f) {
+      return f.field != 0 && use.model->attributes[f.field - 1].name == field;
+    });
+  });
+}
+
+/// The names and units of the fields that models declare.
+std::vector<std::pair<std::string, std::string>> declared_fields(const Scene& scene) {
+  std::vector<std::pair<std::string, std::string>> fields;
+  for (const ModelUse& use : scene.models)
+    for (const auto& a : std::span(use.model->attributes, use.model->attribute_count))
+      if ((a.flags & SUTURE_FIELD) != 0) fields.emplace_back(a.name, a.unit);
+  return fields;
+}
+
+/// [[t, value], ...]
+ValuePath read_path(const JsonValue& value, const std::string& path, const Limits& limits,
+                    Mistakes& mistakes) {
+  ValuePath result;
+  const auto* items = read_array(value, path, "pairs [time, value]", mistakes);
+  for (std::size_t i = 0; items != nullptr && i < items->size(); ++i) {
+    const JsonValue& item = (*items)[i];
+    const std::string at = child_path(path, i);
+    if (item.kind != JsonValue::Kind::array || item.items.size() != 2) {
+      mistakes.add(item.at, at, "must be a time in s and a value, is " + describe(item));
+      continue;
+    }
+    const auto time =
+        read_number(item.items[0], child_path(at, 0), Limits::not_negative("s"), mistakes);
+    const auto there = read_number(item.items[1], child_path(at, 1), limits, mistakes);
+    if (time && !result.stations.empty() && *time <= result.stations.back().at)
+      mistakes.add(item.at, at, "must be later than the one before");
+    result.stations.push_back({time.value_or(0), there.value_or(0)});
+  }
+  if (items != nullptr && items->size() < 2)
+    mistakes.add(value.at, path, "needs two pairs or more");
+  return result;
+}
+
+/// Its name and unit; nothing is known of a field that no model declares.
+std::string read_field(ObjectReader& object, const Scene& scene, FieldCondition& condition) {
+  object.require("field", "the name of a field, such as \"temperature\"");
+  const auto declared = declared_fields(scene);
+  std::vector<std::string> names;
+  for (const auto& [name, unit] : declared) names.push_back(name);
+  if (names.empty()) {
+    object.find("field");
+    object.complain("no model of this scene declares a field; add one that does, such as heat");
+    return "";
+  }
+  const auto choice = object.choice("field", names);
+  if (!choice) return "";
+  condition.field = names[*choice];
+  return declared[*choice].second;
+}
+
+void read_condition(ObjectReader& object, Reading& reading) {
+  FieldCondition condition;
+  condition.place = object.path();
+  const std::string unit = read_field(object, reading.scene, condition);
+  static const std::array<std::string, 5> kinds{"start", "fix", "move", "flux", "source"};
+  const auto kind = object.one_of(kinds);
+  if (!kind) return;
+  condition.kind = static_cast<Kind>(*kind);
+  const std::string& key = kinds[*kind];
+  const bool flows = condition.kind == Kind::flux || condition.kind == Kind::source;
+  if (condition.kind == Kind::move)
+    condition.path =
+        read_path(*object.find(key), object.path_of(key), Limits::any(unit), object.mistakes());
+  else
+    condition.value = object.number(key, Limits::any(flows ? "" : unit)).value_or(0);
+  if (condition.kind == Kind::fix) condition.path.stations = {{0, condition.value}};
+  if (flows && !condition.field.empty() && !is_changed(reading.scene, condition.field))
+    object.complain(key, "no model of this scene changes " + quote(condition.field) +
+                             ", so nothing can flow into it; add one that does, such as heat");
+  if (const JsonValue* ramp = object.find("ramp")) {
+    condition.ramp = read_ramp(*ramp, object.path_of("ramp"), object.mistakes());
+    if (!flows) object.complain("ramp", "belongs to \"flux\" and \"source\"; use \"move\"");
+  }
+  const char* what = condition.kind == Kind::flux ? "the nodes of the faces" : "the nodes";
+  const JsonValue* where =
+      condition.kind == Kind::start ? object.find("where") : object.require("where", what);
+  if (where != nullptr)
+    condition.where = read_selection(*where, object.path_of("where"), object.mistakes());
+  condition.where.path = object.path_of("where");
+  reading.scene.fields.push_back(std::move(condition));
+}
+
+/// What fields do not go together with.
+void check_solver(ObjectReader& top, const Reading& reading) {
+  const Scene& scene = reading.scene;
+  for (const auto& [name, unit] : declared_fields(scene)) {
+    if (!is_changed(scene, name)) continue;
+    if (scene.solver.until_rest)
+      top.complain("solver", "\"until\": \"rest\" looks at the motion alone, and " + quote(name) +
+                                 " may still change at rest; give \"end\", or use \"static\"");
+    if (scene.solver.sleep_acceleration > 0)
+      top.complain("solver", "\"sleep\" looks at the motion alone, and " + quote(name) +
+                                 " may wake what sleeps; remove it");
+    return;
+  }
+}
+
+}  // namespace
+
+void read_field_conditions(ObjectReader& top, Reading& reading) {
+  if (std::ranges::any_of(reading.scene.models,
+                          [](const ModelUse& use) { return use.model == nullptr; })) {
+    top.find("fields");  // a model that could not be found might declare any
+    return;
+  }
+  for_each_object(top, "fields", "conditions",
+                  [&](ObjectReader& object) { read_condition(object, reading); });
+  check_solver(top, reading);
+}
+
+}  // namespace suture::scene_parts

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+//
+// suture/diffusion.hpp - a field that diffuses through trilinear hexahedra, such as a temperature:
+// what a functor on volumes with a rate (model.hpp) needs.
+//
+//   template <class Cell> static void rate(Cell& c) {
+//     suture::diffuse(c, c.parameter(conductivity));
+//   }
+#ifndef SUTURE_DIFFUSION_HPP
+#define SUTURE_DIFFUSION_HPP
+
+#include "suture/hexahedron.hpp"
+#include "suture/model.hpp"
+
+namespace suture {
+
+namespace detail {
+
+/// du/dxi_d of a scalar at the points of the rule with two points per axis, as in axis_values.
+template <class T>
+struct scalar_gradients {
+  T along[3][4];
+
+  SUTURE_INLINE explicit scalar_gradients(const T (&u)[8]) {
+    for (int d = 0; d < 3; ++d) {
+      const auto edge = [&](int m) SUTURE_DETAIL_INLINED {
+        const auto& e = suture_hexahedron_edges[4 * d + m];
+        return u[e[1]] - u[e[0]];
+      };
+      T line[2][2];
+      to_points<2>(edge(0), edge(1), line[0], 1);
+      to_points<2>(edge(2), edge(3), line[1], 1);
+      for (int p = 0; p < 2; ++p) to_points<2>(line[0][p], line[1][p], &along[d][p], 2);
+    }
+  }
+  scalar_gradients() = default;
+
+  SUTURE_INLINE T& at(int d, int i, int j, int k) {
+    const int place[3] = {j + 2 * k, i + 2 * k, i + 2 * j};
+    return along[d][place[d]];
+  }
+
+  /// - sum over points and axes of s_d(point) dN_n/dxi_d.
+  SUTURE_INLINE void scatter(T (&r)[8]) const {
+    for (T& rate : r) rate = T(0.0);
+    for (int d = 0; d < 3; ++d) {
+      T line[2][2], edge[4];
+      for (int p = 0; p < 2; ++p) to_ends<2>(&along[d][p], 2, line[0][p], line[1][p]);
+      to_ends<2>(line[0], 1, edge[0], edge[1]);
+      to_ends<2>(line[1], 1, edge[2], edge[3]);
+      for (int m = 0; m < 4; ++m) {
+        const auto& e = suture_hexahedron_edges[4 * d + m];
+        r[e[0]] += edge[m];
+        r[e[1]] -= edge[m];
+      }
+    }
+  }
+};
+
+}  // namespace detail
+
+/// r_n = - integral of grad N_n . k grad u over the hexahedron at rest X, by 2 x 2 x 2 points. They
+/// add up to zero.
+template <class T, class R, class K>
+SUTURE_INLINE void diffusion_rates(const vec3<R> (&X)[8], const T (&u)[8], const K& k, T (&r)[8]) {
+  const axis_values<R, 2> rest = gradients<2>(X);
+  detail::scalar_gradients<T> g(u), s;
+  for (T(&axis)[4] : s.along)
+    for (T& value : axis) value = T(0.0);
+  for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
+    const mat3<R> J = rest.at(i, j, q), cof = cofactor(J);
+    const R weight = common_weight<2> * reciprocal(dot(J.column[0], cof.column[0]));
+    vec3<T> gradient{T(0.0), T(0.0), T(0.0)};  // times det J
+    for (int d = 0; d < 3; ++d)
+      for (int c = 0; c < 3; ++c) gradient[c] += g.at(d, i, j, q) * cof(c, d);
+    for (int d = 0; d < 3; ++d)
+      for (int c = 0; c < 3; ++c) s.at(d, i, j, q) += (k * weight) * (gradient[c] * cof(c, d));
+  });
+  s.scatter(r);
+}
+
+/// The same in a parallelepiped: J is that of its edges. A third of the operations.
+template <class T, class R, class K>
+SUTURE_INLINE void diffusion_rates_of_parallelepiped(const vec3<R> (&X)[8], const T (&u)[8],
+                                                     const K& k, T (&r)[8]) {
+  const mat3<R> J = mean_edges(X), cof = cofactor(J);
+  const R weight = common_weight<2> * reciprocal(dot(J.column[0], cof.column[0]));
+  R metric[3][3];
+  for (int d = 0; d < 3; ++d)
+    for (int e = 0; e < 3; ++e) metric[d][e] = (k * weight) * dot(cof.column[d], cof.column[e]);
+  detail::scalar_gradients<T> g(u), s;
+  for (T(&axis)[4] : s.along)
+    for (T& value : axis) value = T(0.0);
+  for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
+    for (int d = 0; d < 3; ++d)
+      for (int e = 0; e < 3; ++e) s.at(d, i, j, q) += metric[d][e] * g.at(e, i, j, q);
+  });
+  s.scatter(r);
+}
+
+/// Sets the rates of a cell whose field diffuses with conductivity k. The functor reads rest
+/// positions; one for parallelepipeds only (`shape`) is three times as fast.
+template <class Cell, class K>
+SUTURE_INLINE void diffuse(const Cell& c, const K& k) {
+  using T = typename Cell::scalar;
+  vec3<typename Cell::real> X[8];
+  T u[8], r[8];
+  for (int n = 0; n < 8; ++n) {
+    X[n] = c.rest(n);
+    u[n] = c.field(n);
+  }
+  if constexpr (Cell::shape == SUTURE_PARALLELEPIPED)
+    diffusion_rates_of_parallelepiped(X, u, k, r);
+  else
+    diffusion_rates(X, u, k, r);
+  for (int n = 0; n < 8; ++n) c.rate(n, r[n]);
+}
+
+namespace detail {
+template <class M>
+struct capacity_share {
+  static constexpr int components = 1;
+  template <class Cell, class Out>
+  static void compute(const Cell& c, const Out& out) {
+    vec3<typename Cell::real> X[8];
+    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    const auto share = volume(X) * (0.125 * M::capacity(c.parameters()));
+    for (int n = 0; n < 8; ++n) out.set(n, 0, share);
+  }
+};
+}  // namespace detail
+
+/// The capacity of the field declared last before it: M::capacity(p), per volume, times an eighth
+/// of the volume of every incident element.
+template <class M>
+constexpr attribute lumped_capacity(const char* name, const char* unit, const char* doc) {
+  return vertex_attribute(name, unit, doc)
+      .from_volumes(contribution<M, detail::capacity_share<M>>)
+      .flag(SUTURE_CAPACITY);
+}
+
+}  // namespace suture
+
+#endif

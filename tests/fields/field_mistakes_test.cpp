@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One clear message for each mistake.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kernel/base/error.hpp"
+#include "tests/fields/field_scene.hpp"
+
+namespace suture::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::string message(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string of_bar(
+    const std::string& fields,
+    const std::string& solver = R"("integrator": "implicit-euler", "dt": 0.1, "end": 1)") {
+  return message([&] { FieldRun(bar(2, solver, R"("fields": [)" + fields + "]")); });
+}
+
+TEST(FieldMistakes, NameThePlaceAndTheNearestName) {
+  EXPECT_THAT(of_bar(R"({"field": "temprature", "start": 3})"),
+              HasSubstr("/fields/0/field: must be one of 'temperature', is the string 'temprature' "
+                        "(did you mean 'temperature'?)"));
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "fix": 3})"), HasSubstr("/fields/0: 'where'"));
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "move": [[1, 2], [1, 3]], "where": "all"})"),
+              HasSubstr("/fields/0/move/1: must be later"));
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "fix": 3, "where": {"set": "x0"}}, {"field":
+                     "temperature", "fix": 4, "where": {"set": "y0"}})"),
+              HasSubstr("/fields/1: prescribes another 'temperature' than an earlier condition at "
+                        "node"));
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "fix": 3, "ramp": 1, "where": {"set": "x0"}})"),
+              HasSubstr("/fields/0/ramp: belongs to"));
+}
+
+TEST(FieldMistakes, SayWhatTheSceneLacks) {
+  const std::string mesh = R"("mesh": {"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "solver":
+      {"integrator": "symplectic-euler", "dt": 1e-3, "end": 1}, )";
+  EXPECT_THAT(
+      message([&] {
+        field_scene(mesh + R"("models": [{"model": "hooke", "parameters": {"E": 1, "nu": 0, "rho":
+                    1}}], "fields": [{"field": "temperature", "start": 3}])");
+      }),
+      HasSubstr("/fields/0: no model of this scene declares a field"));
+  EXPECT_THAT(message([&] {
+                field_scene(mesh + R"("models": [{"model": "thermoelastic", "parameters": {"mu": 1,
+                    "lambda": 0, "rho": 1}}], "fields": [{"field": "temperature", "flux": 3, "where":
+                    {"set": "x0"}}])");
+              }),
+              HasSubstr("/fields/0/flux: no model of this scene changes"));
+  EXPECT_THAT(of_bar("", R"("integrator": "symplectic-euler", "until": "rest")"),
+              HasSubstr("/solver: \"until\": \"rest\" looks at the motion alone"));
+}
+
+TEST(FieldMistakes, ASteadyStateNeedsAPrescribedValue) {
+  const Scene scene = bar(2, R"("static": {"frames": 1})", R"("fields": [{"field": "temperature",
+      "flux": 1, "where": {"set": "x0"}}])");
+  EXPECT_THAT(
+      message([&] { FieldRun(scene).run_to(1); }),
+      HasSubstr("the equations of field 'temperature' are not solved: a steady state needs a "
+                "prescribed value"));
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+//
+// Models of fields, each with one fault in its rates or its capacity.
+#include "suture/diffusion.hpp"
+
+namespace {
+
+struct Share {
+  static constexpr int components = 1;
+  template <class Cell, class Out>
+  static void compute(const Cell&, const Out& out) {
+    for (int n = 0; n < 8; ++n) out.set(n, 0, typename Cell::real(n == 7 ? 0.0 : 1e-3));
+  }
+};
+
+template <class M>
+struct Field : suture::model, suture::on_volumes {
+  static constexpr const char *name = "rates", *doc = "A planted fault", *formula = "none",
+                              *citation = "none";
+  static constexpr suture::column<0> u{};
+  static double capacity(const suture::values&) { return 2; }
+  static constexpr auto reads = SUTURE_READ_REST;
+  static constexpr auto rate_of = u;
+  static constexpr auto vertex_columns = suture::columns(u);
+  static constexpr suture::attribute attributes[] = {
+      suture::vertex_field("u", "1", "An unknown"),
+      suture::lumped_capacity<M>("capacity", "1", "Of the nodes")};
+};
+
+// What the first node gives goes to the second, whatever that has.
+struct Upwind : Field<Upwind> {
+  static constexpr const char* id = "rate-upwind";
+  template <class Cell>
+  static void rate(const Cell& c) {
+    const auto flow = 0.5 * c.field(0);
+    for (int n = 0; n < 8; ++n) c.rate(n, (n == 0 ? -1.0 : n == 1 ? 1.0 : 0.0) * flow);
+  }
+};
+
+struct Source : Field<Source> {
+  static constexpr const char* id = "rate-source";
+  template <class Cell>
+  static void rate(const Cell& c) {
+    for (int n = 0; n < 8; ++n) c.rate(n, 1.0 - c.field(n));
+  }
+};
+
+// The derivative of a value that is taken out of the dual number is lost.
+struct Blind : Field<Blind> {
+  static constexpr const char* id = "rate-blind";
+  template <class T>
+  static auto without_derivative(const T& x) {
+    if constexpr (suture::is_dual<T>)
+      return x.value;
+    else
+      return x;
+  }
+  template <class Cell>
+  static void rate(const Cell& c) {
+    const auto flow = c.field(1) - without_derivative(c.field(0));
+    for (int n = 0; n < 8; ++n) c.rate(n, (n == 0 ? 1.0 : n == 1 ? -1.0 : 0.0) * flow);
+  }
+};
+
+// One of its nodes takes up nothing.
+struct NoCapacity : suture::model, suture::on_volumes {
+  static constexpr const char *id = "rate-no-capacity", *name = "rates", *doc = "A planted fault",
+                              *formula = "none", *citation = "none";
+  static constexpr suture::column<0> u{};
+  static constexpr auto reads = SUTURE_READ_REST;
+  static constexpr auto rate_of = u;
+  static constexpr auto vertex_columns = suture::columns(u);
+  static constexpr suture::attribute attributes[] = {
+      suture::vertex_field("u", "1", "An unknown"),
+      suture::vertex_attribute("capacity", "1", "Of seven nodes")
+          .from_volumes(suture::contribution<NoCapacity, Share>)
+          .flag(SUTURE_CAPACITY)};
+  template <class Cell>
+  static void rate(const Cell& c) {
+    suture::diffuse(c, 1.0);
+  }
+};
+
+}  // namespace
+
+SUTURE_PLUGIN("faulty-rates", "1.0", "MIT", "Fields with planted faults", Upwind, Source, Blind,
+              NoCapacity)

@@ -125,7 +125,7 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   parts_.renumber(body_.imported().element_of);
   check_parts(scene_, parts());
   if (scene_.divides_elements()) let_parts_grow();
-  if (!parts().empty() || body_.attributes().parts().may_grow()) body_.add_follower(parts_);
+  if (is_embedded()) body_.add_follower(parts_);
   check_selections(scene_, selector_);
   name_elements();
   add_models(diagnostics);
@@ -250,14 +250,13 @@ void BuiltScene::add_terms() {
   Attributes& attributes = body_.attributes();
   const CellComplex& complex = body_.complex();
   gravity_ = &body_.add(std::make_unique<Gravity>(attributes, scene_.gravity, scene_.gravity_ramp));
-  const bool has_parts = !parts().empty() || attributes.parts().may_grow();
   const auto faces = [&](const Load& load) { return selector_.boundary_faces(load.where); };
   const auto triangles = [&](const Load& load) { return selector_.surface_triangles(load.where); };
   auto& dead = body_.add(std::make_unique<DeadLoads>(attributes));
   for (const Load& load : scene_.loads) {
     if (load.kind == Load::Kind::force)
       dead.add_force(complex, selector_.vertices(load.where), load.value, load.ramp);
-    else if (load.kind == Load::Kind::traction && !has_parts)
+    else if (load.kind == Load::Kind::traction && !is_embedded())
       dead.add_traction(complex, faces(load), load.value, load.ramp);
     else if (load.kind == Load::Kind::traction)
       dead.add_surface_traction(complex, triangles(load), load.value, load.ramp);
@@ -268,7 +267,7 @@ void BuiltScene::add_terms() {
       if (load.kind == Load::Kind::pressure)
         added.add(complex, where(load), load.pressure, load.ramp);
   };
-  if (has_parts)
+  if (is_embedded())
     add_pressures(std::make_unique<SurfacePressures>(attributes), triangles);
   else
     add_pressures(std::make_unique<Pressures>(attributes), faces);
@@ -282,7 +281,7 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
       scene_.contact.obstacles[cut->carried->obstacle].pushes = false;
   const ContactOptions& options = scene_.contact;
   SurfacePoints::Source embedded;  // not embedding(), which is not made again when a run resumes
-  if (!parts().empty() || body_.attributes().parts().may_grow())
+  if (is_embedded())
     embedded = [this, made = Embedding()]() mutable -> const Embedding& {
       return made = Embedding(parts(), body_.complex());
     };

@@ -39,6 +39,8 @@ class BuiltScene {
   /// full.
   const Parts& parts() const { return parts_.parts(); }
   EmbeddedParts& embedded_parts() { return parts_; }
+  /// Whether some are, or may become so by a cut: what it shows and touches is embedding().
+  bool is_embedded() const { return !parts().empty() || body_.attributes().parts().may_grow(); }
   /// The same on the vertices of the body as it is now.
   const Embedding& embedding() { return parts_.embedding(body_.complex()); }
   const Selector& selector() const { return selector_; }

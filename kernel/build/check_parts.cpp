@@ -20,7 +20,6 @@ class PartsCheck {
   /// `by_blade`: cuts make parts.
   explicit PartsCheck(bool by_blade) : by_blade_(by_blade) {}
   void check(const Scene& scene) {
-    if (scene.contact.self) refuse("/contact/self", "remove it,");
     if (scene.contact.pieces) check_pieces(scene);
     for (const Obstacle& obstacle : scene.contact.obstacles)
       if (obstacle.coupling)
@@ -29,10 +28,6 @@ class PartsCheck {
                         "surface share theirs; remove it, so that the tool moves along its path,") +
                 or_instead());
     for (const Event& event : scene.events) check(event);
-    if (scene.output.cuts)
-      add("/output/cuts",
-          "shows whole faces of elements, and those of this body reach out of it; give "
-          "\"surface\": true, whose field \"cut\" marks the faces that were cut");
   }
   /// Lips and pieces that are embedded touch by impulses.
   void check_pieces(const Scene& scene) {

@@ -80,7 +80,7 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
 
 void Contact::touch_pieces(const PieceContact::Options& options) {
   if (points_)
-    pairs_.emplace(complex_, attributes_, *points_, options.friction, mean_edge_);
+    pairs_.emplace(complex_, attributes_, *points_, options, mean_edge_);
   else
     pieces_ = std::make_unique<PieceContact>(complex_, surface_, attributes_, options, mean_edge_);
 }

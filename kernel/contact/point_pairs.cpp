@@ -37,7 +37,7 @@ void PointPairs::find_pieces() {
   for (std::size_t t = 0; t < points_.triangles().size(); ++t)
     for (const Index p : points_.triangles()[t])
       piece_of_[p] = islands.of(points_.triangle_element(t));
-  may_meet_ = islands.existing() > 1 || points_.has_lips();
+  may_meet_ = options_.self || islands.existing() > 1 || points_.has_lips();
 }
 
 Vec3 PointPairs::place(Index point) const { return row(points_.positions(), point); }
@@ -64,7 +64,8 @@ void PointPairs::find_near() {
   for (Index t = 0; t < points_.triangles().size(); ++t) {
     Box box = no_box;
     for (const Index p : points_.triangles()[t]) include(box, place(p));
-    const Index except = points_.is_laid_open(t) ? none : piece_of_[points_.triangles()[t][0]];
+    const bool may_be_same = options_.self || points_.is_laid_open(t);
+    const Index except = may_be_same ? none : piece_of_[points_.triangles()[t][0]];
     for (const Index p : grid.find(enlarged(box, reach), except))
       if (may_touch(p, t)) near_.push_back({p, t});
   }
@@ -72,14 +73,19 @@ void PointPairs::find_near() {
 }
 
 /// Within a piece, lips touch lips, and not what was behind them at rest, where only material is in
-/// between.
+/// between. With `self`, so does all that was in front of each other, but for neighbours in the
+/// surface, and all that was far apart.
 bool PointPairs::may_touch(Index point, Index triangle) const {
   const auto& [a, b, c] = points_.triangles()[triangle];
   if (point == a || point == b || point == c) return false;
   if (piece_of_[point] != piece_of_[a]) return true;
-  if (!points_.is_lip(point)) return false;
+  const bool are_lips = points_.is_lip(point) && points_.is_laid_open(triangle);
+  if (!are_lips && !options_.self) return false;
   const Vec3 at = rest(a), normal = cross(minus(rest(b), at), minus(rest(c), at));
-  return dot(minus(rest(point), at), normal) > -level * edge_ * norm(normal);
+  const Vec3 offset = minus(rest(point), at);
+  const double least = are_lips ? -level : margin;
+  return dot(offset, normal) > least * edge_ * norm(normal) ||
+         (options_.self && norm(offset) > far_apart * edge_);
 }
 
 // -------------------------------------------------------------------- in a step --
@@ -164,7 +170,7 @@ PointPairs::Change PointPairs::change(std::size_t i, const Vec3& offset, const V
   const double free = dot(along, along), missing = (target - gap) / dt;
   if (free < least_free) return {};
   const Vec3 sliding = free_part(minus(velocity, scaled(speed, normal)));
-  const double size = norm(sliding), most = friction_ * missing;
+  const double size = norm(sliding), most = options_.friction * missing;
   return {scaled(missing / free, along),
           size > 0 ? scaled(-std::min(1.0, most / size), sliding) : Vec3{}};
 }

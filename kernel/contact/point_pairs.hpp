@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/surface_points.hpp"
 
 // Lips and pieces of an embedded surface
@@ -21,22 +22,22 @@
 
 namespace suture {
 
-/// The points of an embedded surface that may touch triangles: those of other pieces, and lips
-/// those of the lips opposite.
+/// The points of an embedded surface that may touch triangles: those of other pieces, lips those of
+/// the lips opposite, and with `self` all that are not their neighbours.
 class PointPairs {
  public:
   /// `edge`: a typical edge of the elements, m.
   PointPairs(const CellComplex& complex, Attributes& attributes, const SurfacePoints& points,
-             double friction, double edge)
+             const PieceContact::Options& options, double edge)
       : complex_(complex),
         attributes_(attributes),
         points_(points),
-        friction_(friction),
+        options_(options),
         edge_(edge) {}
 
   /// Call after an operation, and after loading a state.
   void follow() { is_stale_ = true; }
-  /// False if there is one piece without lips; after find().
+  /// False if there is one piece without lips that does not touch itself; after find().
   bool may_meet() const { return may_meet_; }
 
   /// Finds the pairs that may touch at the places of the points (SurfacePoints::positions). In each
@@ -64,6 +65,8 @@ class PointPairs {
   // sought again; how far in front of a triangle and beside it a point may yet be pushed; rounding
   // at rest.
   static constexpr double max_depth = 0.1, skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
+  /// In edges: what is farther apart at rest may touch although material is in between.
+  static constexpr double far_apart = 2;
   /// Cosine of the angle of two normals above which their surfaces face the same way.
   static constexpr double same_side = 0.2;
   /// The part of an earlier depth that a step takes back, and at most, in edges: edges slide past,
@@ -96,7 +99,8 @@ class PointPairs {
   const CellComplex& complex_;
   Attributes& attributes_;
   const SurfacePoints& points_;
-  double friction_, edge_;
+  const PieceContact::Options options_;
+  const double edge_;
   bool is_stale_ = true, may_meet_ = false;
   // Since the last operation.
   std::vector<Index> piece_of_;  ///< by point

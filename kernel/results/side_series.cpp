@@ -94,16 +94,38 @@ void add_blade(Frame& frame, CutFields& fields, const BladeShape& blade, BuiltSc
   for (Index i = 0; i + 1 < blade.points.size(); ++i) add({first + i, first + i + 1, none, none});
 }
 
-void fill_cuts(Frame& frame, double time, BuiltScene& built, const EventRunner& events) {
+void add_opened(Frame& frame, CutFields& fields, BuiltScene& built, const EventRunner& events) {
   const CellComplex& complex = built.body().complex();
-  CutFields fields;
-  frame.cells.clear();
   for (const OpenedFace& face : events.opened()) {
     if (!complex.exists(3, element_of(face.side)) || complex.beta3(face.side) != none) continue;
     frame.cells.push_back(cell_at(complex, face.side, 2));
     fields.add(face.event, false, face.time);
   }
   take_points(frame, built);
+}
+
+/// Faces of elements reach out of an embedded surface; its triangles do not know their event.
+void add_lips(Frame& frame, CutFields& fields, BuiltScene& built) {
+  const Embedding& all = built.embedding();
+  Embedding lips;
+  lips.points = all.points;
+  for (std::size_t t = 0; t < all.triangles.size(); ++t)
+    if (all.is_laid_open[t] != 0) lips.triangles.push_back(all.triangles[t]);
+  frame.point_fields.clear();
+  frame.cell_fields.clear();
+  set_geometry(frame, built);
+  show_surface(frame, lips);
+  for (std::size_t t = 0; t < lips.triangles.size(); ++t)
+    fields.add(none, false, std::numeric_limits<double>::quiet_NaN());
+}
+
+void fill_cuts(Frame& frame, double time, BuiltScene& built, const EventRunner& events) {
+  CutFields fields;
+  frame.cells.clear();
+  if (built.is_embedded())
+    add_lips(frame, fields, built);
+  else
+    add_opened(frame, fields, built, events);
   for (const BladeShape& blade : events.blades(time)) add_blade(frame, fields, blade, built);
   frame.cell_fields = {std::move(fields.event), std::move(fields.blade), std::move(fields.opened)};
 }

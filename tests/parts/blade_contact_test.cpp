@@ -157,6 +157,36 @@ TEST(BladeContact, OtherObstaclesPushMeanwhile) {
               0, 1e-6);
 }
 
+/// How far the right arm of a fork has been pushed, whose left arm is pulled 0.6 m past it.
+double pushed_arm(bool self) {
+  Scene scene = slab();
+  scene.mesh.box.reset();
+  scene.mesh.voxels = VoxelOptions{.layers = 2, .rows = {"#.#", "#.#", "#.#", "#.#", "###"}};
+  scene.gravity = {};
+  scene.contact.obstacles.clear();
+  scene.contact.pieces = true;
+  scene.contact.self = self;
+  scene.solver.damping = 5;
+  scene.solver.end = 4;
+  scene.events[0].at = 4;
+  hold(scene, at({any, 0, any}), 7);
+  hold(scene, within({-0.1, 4.9, -1}, {1.1, 5.1, 3}), 1, {1.6, 0, 0});
+  SlabRun run(scene);
+  run.simulation.run_to(3, run.nobody);
+  const double* x = run.attributes().position().rows();
+  double least = 1e9;
+  for (Index v = 0; v < run.attributes().vertex_count(); ++v) {
+    const Vec3 rest = row(run.attributes().rest().rows(), v);
+    if (rest[0] > 1.9 && rest[1] > 4.9) least = std::min(least, row(x, v)[0] - rest[0]);
+  }
+  return least;
+}
+
+TEST(BladeContact, OnePieceTouchesItselfIfAsked) {
+  EXPECT_GT(pushed_arm(true), 0.5);
+  EXPECT_LT(pushed_arm(false), 0.05);
+}
+
 /// A block of 4 x 4 x 6 elements, held at its foot, that a plate presses by 2 %.
 Scene pressed_block(bool is_cut, double friction) {
   Scene scene = block(tree_plugins(), "tm-faure", {4, 4, 6}, {4, 4, 6},

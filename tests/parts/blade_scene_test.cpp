@@ -95,6 +95,21 @@ TEST(BladeScene, FramesShowPartsAndLips) {
   EXPECT_LT(*std::ranges::max_element(ids), 32);
 }
 
+TEST(BladeScene, SeriesOfCutsShowLips) {
+  Scene scene = bar();
+  const auto [point, normal] = std::pair(Vec3{6, 1, 1}, Vec3{std::cos(M_PI / 6), 0, 0.5});
+  scene.output.surface = false;
+  scene.output.cuts = true;
+  Built bar_of(scene);
+  EXPECT_TRUE(bar_of.side().cells.empty());
+  bar_of.events.fire(0, 0);
+  const Frame cuts = bar_of.side();
+  double area = 0;
+  for (const SmallCell& t : cuts.cells) area += norm(six_areas(cuts, t)) / 2;
+  EXPECT_NEAR(area / (2 * 4 / normal[0]), 1, 0.005);
+  for (const Vec3& p : cuts.points) EXPECT_NEAR(dot(minus(p, point), normal), 0, 0.03);
+}
+
 TEST(BladeScene, BodiesFromSurfacesAreCutToo) {
   Built ball_of(ball());
   const auto [volume, closed] = measures(ball_of.side());
@@ -180,14 +195,9 @@ TEST(BladeScene, RefusesWhatActsOnWholeFaces) {
       }),
       AllOf(StartsWith("/contact/pieces: needs explicit steps"), HasSubstr("remove \"sleep\"")));
   EXPECT_THAT(
-      error([](Scene& scene) { scene.contact.pieces = scene.contact.self = true; }),
-      AllOf(StartsWith("/contact/self: acts on whole"), HasSubstr("or cut along \"faces\"")));
-  EXPECT_THAT(error([](Scene& scene) { scene.output.cuts = true; }),
-              StartsWith("/output/cuts: shows whole faces"));
-  EXPECT_THAT(error([](Scene& scene) {
-                scene.events.push_back({.what = SewFaces{}, .path = "/events/1"});
-              }),
-              StartsWith("/events/1/suture: acts on whole"));
+      error(
+          [](Scene& scene) { scene.events.push_back({.what = SewFaces{}, .path = "/events/1"}); }),
+      AllOf(StartsWith("/events/1/suture: acts on whole"), HasSubstr("or cut along \"faces\"")));
   EXPECT_THAT(error([](Scene& scene) { scene.mesh.box->grading = {1, 1, 2}; }), IsEmpty());
 }
 

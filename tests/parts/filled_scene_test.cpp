@@ -189,12 +189,6 @@ TEST(FilledScene, RefusesWhatActsOnWholeFaces) {
   };
   EXPECT_TRUE(error([](Scene&) {}).empty());
   EXPECT_TRUE(error([](Scene& scene) {
-                scene.contact.self = true;
-              }).starts_with("/contact/self: acts on whole"));
-  EXPECT_TRUE(error([](Scene& scene) {
-                scene.output.cuts = true;
-              }).starts_with("/output/cuts: shows whole faces"));
-  EXPECT_TRUE(error([](Scene& scene) {
                 Event event;
                 event.what = SewFaces{};
                 event.path = "/events/0";

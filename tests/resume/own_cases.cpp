@@ -155,7 +155,6 @@ Case along(Random& random, unsigned, std::uint64_t) {
            {"along", "blade"}}}});
   }
   add_output(scene, random);
-  scene["output"].erase("cuts");
   scene["output"]["surface"] = random.chance(0.5);
   return result;
 }
@@ -402,7 +401,6 @@ Case filled(Random& random, unsigned, std::uint64_t) {
     scene["solver"].update({{"integrator", "implicit-euler"}, {"dt", 0.02}});
   }
   add_output(scene, random);
-  scene["output"].erase("cuts");
   scene["output"]["surface"] = true;
   scene["output"]["fields"].push_back("contact_force");
   return result;

@@ -41,6 +41,16 @@ struct CgalMap::Impl {
   mutable Complex complex;
   std::vector<Handle> darts;
 
+  /// With the corners X0..X7.
+  void add_element(const std::array<Complex::Point, 8>& x) {
+    for (Handle d :
+         faces_of(complex, complex.make_hexahedron(x[2], x[0], x[1], x[3], x[7], x[6], x[4], x[5])))
+      for (int k = 0; k < 4; ++k, d = complex.beta(d, 1)) {
+        complex.info(d) = static_cast<Dart>(darts.size());
+        darts.push_back(d);
+      }
+  }
+
   template <class Darts>
   void give(Darts range, std::vector<Dart>& smallest) const {
     Dart low = none;
@@ -54,18 +64,17 @@ CgalMap::CgalMap(const Mesh& mesh) : impl_(std::make_unique<Impl>()) {
   std::map<std::array<Index, 4>, Dart> open;  // points of a face, sorted
   std::vector<Index> origin;
   for (const Hexahedron& h : mesh.hexahedra) {
-    const auto x = [&](int i) {
+    std::array<Complex::Point, 8> x;
+    for (int i = 0; i < 8; ++i) {
       const Vec3& p = mesh.points[h[i]];
-      return Complex::Point(p[0], p[1], p[2]);
-    };
-    const Handle d1 = complex.make_hexahedron(x(2), x(0), x(1), x(3), x(7), x(6), x(4), x(5));
-    for (const Handle face : faces_of(complex, d1)) {
-      const Dart first = static_cast<Dart>(impl_->darts.size());
+      x[i] = Complex::Point(p[0], p[1], p[2]);
+    }
+    const auto begin = static_cast<Dart>(impl_->darts.size());
+    impl_->add_element(x);
+    for (Dart first = begin; first < begin + 24; first += 4) {
       std::array<Index, 4> points;
-      Handle d = face;
-      for (int k = 0; k < 4; ++k, d = complex.beta(d, 1)) {
-        complex.info(d) = first + k;
-        impl_->darts.push_back(d);
+      for (int k = 0; k < 4; ++k) {
+        const Handle d = impl_->darts[first + k];
         const auto corner = std::ranges::find_if(h, [&](Index v) {
           return Complex::Point(mesh.points[v][0], mesh.points[v][1], mesh.points[v][2]) ==
                  complex.point(d);
@@ -107,6 +116,20 @@ void CgalMap::sew(const std::vector<Seam>& seams) {
       throw std::logic_error("not sewable");
     impl_->complex.sew<3>(impl_->darts[one], impl_->darts[other]);
   }
+}
+
+void CgalMap::clone(const Cloning& cloning) {
+  for (const Index e : cloning.origins) {
+    std::array<Complex::Point, 8> x;
+    for (Dart d = 0; d < 24; ++d)
+      x[hexahedron::dart_vertex[d]] = impl_->complex.point(impl_->darts[24 * e + d]);
+    impl_->add_element(x);
+  }
+  cut(cloning.cut);
+  std::vector<Index> originals = cloning.origins;
+  originals.erase(std::unique(originals.begin(), originals.end()), originals.end());
+  pierce(originals);
+  sew(cloning.seams);
 }
 
 bool CgalMap::folds(const std::vector<Seam>& seams) {

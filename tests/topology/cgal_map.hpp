@@ -25,6 +25,9 @@ class CgalMap {
   void pierce(const std::vector<Index>& elements);
   /// sew<3> for each. Throws std::logic_error where CGAL finds it not sewable.
   void sew(const std::vector<Seam>& seams);
+  /// The same hexahedra again, numbered after all others; the originals are removed, and the copies
+  /// sewn.
+  void clone(const Cloning& cloning);
   /// Whether sewing would make two corners of an element one vertex; tries it and
   /// undoes it.
   bool folds(const std::vector<Seam>& seams);

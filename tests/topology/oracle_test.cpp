@@ -12,14 +12,16 @@ namespace {
 
 using namespace meshes;
 
-/// For every dart the smallest dart of its cell (dimension 0..3) or island (4).
+/// For every dart the smallest dart of its cell (dimension 0..3) or island (4); `none` for removed
+/// ones.
 std::vector<Dart> orbits(const CellComplex& map, int dimension) {
   const Dart darts = 24 * map.element_count();
   const std::vector<Index> island = map.islands();
   const auto id = [&](Dart d) { return dimension == 4 ? island[d / 24] : map.cell(dimension, d); };
   std::map<Index, Dart> first;
-  std::vector<Dart> result(darts);
-  for (Dart d = 0; d < darts; ++d) result[d] = first.try_emplace(id(d), d).first->second;
+  std::vector<Dart> result(darts, none);
+  for (Dart d = 0; d < darts; ++d)
+    if (map.exists(3, d / 24)) result[d] = first.try_emplace(id(d), d).first->second;
   return result;
 }
 
@@ -103,6 +105,113 @@ TEST_F(Oracle, FramesOfHighGenus) {
       5, 5, 5, [](int x, int y, int z) { return (x % 2 == 0) + (y % 2 == 0) + (z % 2 == 0) >= 2; });
   for (int round = 0; round < (rounds + 3) / 4; ++round)
     ASSERT_NO_FATAL_FAILURE(cut_both(frame, 6, random)) << "seed " << seed << ", round " << round;
+}
+
+// ------------------------------------------------- copies among all operations --
+
+/// A map and its oracle, changed at random; what was opened may be sewn again.
+class BothMaps {
+ public:
+  BothMaps(const Mesh& mesh, std::mt19937& random)
+      : map_(complex_of(mesh)), oracle_(mesh), random_(random) {}
+
+  void change() {
+    switch (random_() % 5) {
+      case 0:
+        return cut();
+      case 1:
+        return pierce();
+      case 2:
+        return sew();
+      default:
+        return clone();
+    }
+  }
+  void expect_same() const { suture::expect_same(map_, oracle_); }
+  Index copies = 0, seams = 0;
+
+ private:
+  bool happens(unsigned one_in) { return random_() % one_in == 0; }
+
+  void cut() {
+    std::vector<Dart> faces = interior_faces(map_);
+    std::erase_if(faces, [&](Dart) { return !happens(6); });
+    for (const Dart d : faces) opened_.push_back({d, map_.beta3(d)});
+    map_.cut(faces);
+    oracle_.cut(faces);
+  }
+  void pierce() {
+    const auto e = static_cast<Index>(random_() % map_.element_count());
+    if (!map_.can_pierce(e)) return;
+    map_.pierce(std::array{e});
+    oracle_.pierce({e});
+  }
+  void sew() {
+    const auto is_open = [&](Dart d) { return map_.exists(3, d / 24) && map_.beta3(d) == none; };
+    for (const Seam& seam : opened_) {
+      if (happens(2) || !is_open(seam.one) || !is_open(seam.other)) continue;
+      const bool can = map_.can_sew(seam.one, seam.other);
+      EXPECT_EQ(can, !oracle_.folds({seam}));
+      if (!can) continue;
+      map_.sew(std::array{seam});
+      oracle_.sew({seam});
+      ++seams;
+    }
+  }
+  /// One to three copies of some elements, joined at random where their originals were.
+  void clone() {
+    Cloning cloning;
+    std::map<Index, std::vector<Index>> copies_of;
+    for (Index e = 0; e < map_.element_count(); ++e) {
+      if (!map_.exists(3, e) || !happens(5)) continue;
+      for (auto n = 1 + random_() % 3; n > 0; --n) {
+        copies_of[e].push_back(map_.element_count() + static_cast<Index>(cloning.origins.size()));
+        cloning.origins.push_back(e);
+      }
+    }
+    if (cloning.origins.empty()) return;
+    const auto now = [&](Index e) {
+      const auto found = copies_of.find(e);
+      return found == copies_of.end() ? std::vector<Index>{e} : found->second;
+    };
+    for (const Dart d : interior_faces(map_)) {
+      const Dart mate = map_.beta3(d);
+      std::vector<Index> ones = now(d / 24), others = now(mate / 24);
+      if (ones[0] == d / 24 && others[0] == mate / 24) {
+        if (happens(12)) cloning.cut.push_back(d);
+        continue;
+      }
+      std::shuffle(ones.begin(), ones.end(), random_);
+      for (std::size_t i = 0; i < std::min(ones.size(), others.size()); ++i)
+        (happens(4) ? opened_ : cloning.seams)
+            .push_back({24 * ones[i] + d % 24, 24 * others[i] + mate % 24});
+    }
+    map_.clone_volume(cloning);
+    oracle_.clone(cloning);
+    copies += static_cast<Index>(cloning.origins.size());
+  }
+
+  CellComplex map_;
+  CgalMap oracle_;
+  std::mt19937& random_;
+  std::vector<Seam> opened_;
+};
+
+TEST_F(Oracle, CopiesAmongAllOperations) {
+  Index copies = 0, seams = 0;
+  const int sequences = std::getenv("SUTURE_FULL") ? 10000 : 100;
+  for (int round = 0; round < sequences; ++round) {
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", round " + std::to_string(round));
+    BothMaps both(round % 2 == 0 ? grid(3, 3, 2) : blob(4, 0.5, random), random);
+    for (auto step = 1 + random() % 6; step > 0; --step) {
+      both.change();
+      ASSERT_NO_FATAL_FAILURE(both.expect_same());
+    }
+    copies += both.copies;
+    seams += both.seams;
+  }
+  EXPECT_GT(copies, 10 * sequences);
+  EXPECT_GT(seams, sequences / 4);
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ VertexField* Attributes::field_of(const suture_model& model, const suture_functo
   return &*std::ranges::find(fields_, model.attributes[functor.field - 1].name, &VertexField::name);
 }
 
-/// Of what all instances contribute to.
+/// Clears masses and capacities, to which all instances contribute.
 void Attributes::clear_sums() {
   mass_->fill(0);
   for (const VertexField& field : fields_)

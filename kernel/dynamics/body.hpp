@@ -85,7 +85,7 @@ class Body {
   const std::deque<FieldEquation>& fields() const { return fields_; }
   FieldEquation& field(std::string_view name);
 
-  // Of the forces of models and the rates of fields (ForceLoop):
+  // ForceLoop has these for the forces of models and for the rates of each field:
   void check_plugins();
   void measure();
   std::vector<FunctorCost> costs() const;

@@ -120,7 +120,7 @@ class FieldEquation {
   double content_ = 0;    ///< before an operation
   double stable_ = 0;     ///< s; 0: to be found
   std::uint64_t steps_since_ = 0;
-  // Of Newton's method, by vertex:
+  // Newton's method works with these, by vertex:
   std::vector<double> before_, diagonal_, sums_, residual_, change_, direction_, product_;
   ConjugateGradients solver_;
   std::vector<double> kept_;

@@ -13,9 +13,9 @@ namespace suture {
 namespace {
 
 constexpr unsigned newton_iterations = 30;
-/// Of the residual at the start.
+/// A part of the residual at the start.
 constexpr double newton_tolerance = 1e-10;
-/// Of the products of which the residual is a sum.
+/// A part of the products of which the residual is a sum.
 constexpr double rounding_of_sums = 1e-14;
 constexpr double krylov_tolerance = 1e-12;
 

@@ -74,8 +74,9 @@ void SolidSurface::find_thickness() {
         1. / 3, plus(surface().points[t[0]], plus(surface().points[t[1]], surface().points[t[2]])));
     const auto fits = [&] {
       const Vec3 middle = minus(centroid, scaled(radius, oriented_->face_normal(i)));
-      return greatest_distance(middle) < -free_of_ball * radius ||
-             !oriented_->tree().is_within(middle, free_of_ball * radius);
+      const double most = -free_of_ball * radius;
+      return greatest_distance(middle) <= most ||
+             (may_be_within(middle, most) && nearest(middle).distance <= most);
     };
     while (radius > rounding_of_cells * radius_ && !fits()) radius /= 2;
   }

@@ -88,7 +88,7 @@ void StepSlopes::backward(const StepEnds& step, const ObjectiveSlopes& objective
     back_explicitly(step, objective, slope, use);
 }
 
-/// Of displacements and the energy, to the derivative by the end, at which the body is.
+/// Adds the slopes by displacements and the energy at the end of the step, where the body is.
 void StepSlopes::add_objective(const ObjectiveSlopes& objective, double time, StateSlope& slope) {
   add(slope.position, objective.displacement);
   if (objective.energy != 0) add(slope.position, elastic_forces(body_, time), -objective.energy);

@@ -67,7 +67,7 @@ struct StepEnds {
   bool is_first = false;         ///< of the run: nothing has led to its start
 };
 
-/// Of a state of a run, by one parameter.
+/// The derivatives of a state of a run by one parameter.
 struct StateSensitivity {
   StateSlope state;              ///< dx/dp, dv/dp, dz/dp
   std::vector<double> reaction;  ///< dR/dp, 3 numbers per vertex; 0 where components are free

@@ -60,7 +60,7 @@ Values rate_tangent(BatchCaller& caller, const CellBatch& batch, std::size_t nod
   return caller.tangent(batch, unit, zero);
 }
 
-/// Of each field with a capacity: sum C u.
+/// sum C u for each field with a capacity.
 std::vector<double> contents(SampleBody& sample) {
   std::vector<double> contents;
   for (const VertexField& field : sample.body().attributes().fields()) {

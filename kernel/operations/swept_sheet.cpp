@@ -21,8 +21,8 @@ constexpr double kept_behind = 4, kept_outside = 2;
 constexpr double searched = 2;
 // In another stroke, of an element: what is nearer to an earlier sheet is on it.
 constexpr double on_earlier = 0.15;
-// Of an element by all strokes: one slit, and another one that begins in it or crosses it. Tissue
-// that trembles at an edge would be shredded without a limit.
+// All strokes divide an element by one slit, and another one that begins in it or crosses it.
+// Tissue that trembles at an edge would be shredded without a limit.
 constexpr unsigned most_divisions = 2;
 constexpr double no_height = std::numeric_limits<double>::quiet_NaN();
 

@@ -209,6 +209,12 @@ Index SurfaceTree::nearest(const Vec3& place, Index start) const {
   return search.found;
 }
 
+bool SurfaceTree::is_within(const Vec3& place, double distance) const {
+  Search search{place, distance * distance};
+  descend(1, search);
+  return search.found != none;
+}
+
 bool SurfaceTree::overlap(const Node& a, const Node& b) {
   for (std::size_t c = 0; c < 3; ++c)
     if (a.high[c] < b.low[c] || b.high[c] < a.low[c]) return false;

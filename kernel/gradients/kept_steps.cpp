@@ -41,7 +41,7 @@ KeptSteps::KeptSteps(Dynamics& dynamics, StepReplay::Limit limit)
       replay_(dynamics, limit),
       start_(dynamics.time()),
       held_(held_by(body_.attributes())) {
-  StepSlopes require_smooth(dynamics);
+  StepSlopes{dynamics};  // throws what its adjoint would
 }
 
 void KeptSteps::keep() {

@@ -232,6 +232,7 @@ TEST_F(BodyInHand, HoldsAgainWhatItHeldWhereTheRunGoesBack) {
   hand.move({}, {0, 0, 0}, 20, 1);  // pressed while paused
   std::this_thread::sleep_for(20ms);
   page.send(R"({"do":"play"})");
+  state([](const Json& head) -> bool { return head["playing"]; });  // moves count from now on
   hand.move({}, {0, 0.02, 0}, 200, 1);
   now = state_after(held["step"].get<std::uint64_t>() + 500);
   EXPECT_NEAR(now["device"]["place"][1].get<double>(),

@@ -47,7 +47,8 @@ TEST(FieldMistakes, SayWhatTheSceneLacks) {
       {"integrator": "symplectic-euler", "dt": 1e-3, "end": 1}, )";
   EXPECT_THAT(
       message([&] {
-        field_scene(mesh + R"("models": [{"model": "hooke", "parameters": {"E": 1, "nu": 0, "rho":
+        field_scene(mesh +
+                    R"("models": [{"model": "tm-faure", "parameters": {"E": 1, "nu": 0, "rho":
                     1}}], "fields": [{"field": "temperature", "start": 3}])");
       }),
       HasSubstr("/fields/0: no model of this scene declares a field"));

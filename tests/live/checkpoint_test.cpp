@@ -115,11 +115,7 @@ TEST_F(SavesACheckpoint, AfterWhichFramesHaveTheNumbersOfTheWholeRun) {
 }
 
 TEST_F(SavesACheckpoint, UnlessTheRunHasFailed) {
-  page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
-  page.send(
-      R"({"do":"apply","event":{"move":{"grasp":"live-hand","translation":[0,50,0],"during":0.001}}})");
-  page.send(R"({"do":"play"})");
-  EXPECT_THAT(page.until("error")["error"], HasSubstr("The run has failed"));
+  fail_the_run();
   page.send(R"({"do":"checkpoint"})");
   EXPECT_THAT(page.until("error")["error"], HasSubstr("the run has failed; take the last action"));
   EXPECT_FALSE(std::filesystem::exists(file_));

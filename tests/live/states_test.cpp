@@ -193,11 +193,7 @@ TEST_F(GoesBack, KeepsNoStateForARefusedAction) {
 
 TEST_F(GoesBack, EndsAFailure) {
   make(20);
-  page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
-  page.send(
-      R"({"do":"apply","event":{"move":{"grasp":"live-hand","translation":[0,50,0],"during":0.001}}})");
-  page.send(R"({"do":"play"})");
-  EXPECT_THAT(page.until("error")["error"], HasSubstr("The run has failed"));
+  fail_the_run();
   page.send(R"({"do":"step"})");
   EXPECT_THAT(page.until("error")["error"], HasSubstr("take the last action back"));
   page.send(R"({"do":"back"})");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -71,6 +72,14 @@ class Watched : public testing::Test {
   Json state(F&& is_so) {
     for (;;)
       if (Json head = page.until("step"); is_so(head)) return head;
+  }
+  /// Pulls the body apart.
+  void fail_the_run() {
+    page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
+    page.send(
+        R"({"do":"apply","event":{"move":{"grasp":"live-hand","translation":[0,50,0],"during":0.001}}})");
+    page.send(R"({"do":"play"})");
+    EXPECT_THAT(page.until("error")["error"], testing::HasSubstr("The run has failed"));
   }
   Json state_after(std::uint64_t step) {
     return state([&](const Json& head) { return head["step"] >= step; });

@@ -9,6 +9,7 @@
 
 #include "kernel/gradients/equilibrium_slopes.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/sag.hpp"
 
 namespace suture::test {
 namespace {
@@ -20,19 +21,8 @@ class Sagging {
     simulation_.run(observer_);
   }
 
-  /// J = sum of u_y^2 over all vertices.
-  double objective() {
-    double sum = 0;
-    for (Index v = 0; v < attributes().vertex_count(); ++v) sum += u(v) * u(v);
-    return sum;
-  }
-  ObjectiveSlopes slopes() {
-    ObjectiveSlopes slopes;
-    slopes.displacement.assign(std::size_t{attributes().vertex_count()} * 3, 0);
-    for (Index v = 0; v < attributes().vertex_count(); ++v)
-      slopes.displacement[std::size_t{v} * 3 + 1] = 2 * u(v);
-    return slopes;
-  }
+  double objective() { return sag_of(attributes()); }
+  ObjectiveSlopes slopes() { return sag_slopes(attributes()); }
   Adjoint adjoint() {
     return EquilibriumSlopes(simulation_.built().dynamics()).adjoint(slopes(), 1e-10);
   }
@@ -59,7 +49,6 @@ class Sagging {
     scene.solver.step_tolerance = 1e-12;
     return scene;
   }
-  double u(Index v) { return attributes().position().get(v, 1) - attributes().rest().get(v, 1); }
 
   Diagnostics known_;
   Observer observer_;

@@ -15,6 +15,7 @@
 #include "kernel/gradients/followed_slopes.hpp"
 #include "kernel/gradients/kept_steps.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/sag.hpp"
 
 namespace suture::test {
 namespace {
@@ -108,11 +109,12 @@ class Running : private Observer {
   bool stop_requested() override {
     if (!kept_ || kept_->count() == simulation_.step()) return false;
     kept_->keep();
-    for (Index v = 0; v < attributes().vertex_count(); ++v) objective_ += u(v) * u(v);
+    objective_ += sag_of(attributes());
     if (!followed_) return false;
     followed_->follow();
     for (Index v = 0; v < attributes().vertex_count(); ++v)
-      followed_slope_ += 2 * u(v) * followed_->of(0).state.position[std::size_t{v} * 3 + 1];
+      followed_slope_ +=
+          2 * sag_at(attributes(), v) * followed_->of(0).state.position[std::size_t{v} * 3 + 1];
     return false;
   }
   /// All values of a parameter together.
@@ -121,14 +123,7 @@ class Running : private Observer {
     const ParameterSlopes slopes(simulation_.built().body(), {}, instance, parameter);
     return {&instance, parameter, std::vector<double>(slopes.size(), 1)};
   }
-  ObjectiveSlopes slopes() {
-    ObjectiveSlopes slopes;
-    slopes.displacement.assign(std::size_t{attributes().vertex_count()} * 3, 0);
-    for (Index v = 0; v < attributes().vertex_count(); ++v)
-      slopes.displacement[std::size_t{v} * 3 + 1] = 2 * u(v);
-    return slopes;
-  }
-  double u(Index v) { return attributes().position().get(v, 1) - attributes().rest().get(v, 1); }
+  ObjectiveSlopes slopes() { return sag_slopes(attributes()); }
 
   Diagnostics known_;
   Simulation simulation_;

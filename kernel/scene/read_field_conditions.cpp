@@ -21,12 +21,15 @@ bool is_changed(const Scene& scene, const std::string& field) {
   });
 }
 
-/// The names and units of the fields that models declare.
+/// The names and units of the fields that models declare, each once.
 std::vector<std::pair<std::string, std::string>> declared_fields(const Scene& scene) {
   std::vector<std::pair<std::string, std::string>> fields;
   for (const ModelUse& use : scene.models)
-    for (const auto& a : std::span(use.model->attributes, use.model->attribute_count))
-      if ((a.flags & SUTURE_FIELD) != 0) fields.emplace_back(a.name, a.unit);
+    for (const auto& a : std::span(use.model->attributes, use.model->attribute_count)) {
+      if ((a.flags & SUTURE_FIELD) == 0) continue;
+      const std::pair<std::string, std::string> field{a.name, a.unit};
+      if (std::ranges::find(fields, field) == fields.end()) fields.push_back(field);
+    }
   return fields;
 }
 
@@ -77,7 +80,10 @@ void read_condition(ObjectReader& object, Reading& reading) {
   const std::string unit = read_field(object, reading.scene, condition);
   static const std::array<std::string, 5> kinds{"start", "fix", "move", "flux", "source"};
   const auto kind = object.one_of(kinds);
-  if (!kind) return;
+  if (!kind) {
+    for (const char* known : {"where", "ramp"}) object.find(known);
+    return;
+  }
   condition.kind = static_cast<Kind>(*kind);
   const std::string& key = kinds[*kind];
   const bool flows = condition.kind == Kind::flux || condition.kind == Kind::source;

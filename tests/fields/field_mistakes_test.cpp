@@ -10,7 +10,7 @@
 namespace suture::test {
 namespace {
 
-using testing::HasSubstr;
+using testing::AllOf, testing::HasSubstr, testing::Not;
 
 std::string message(const std::function<void()>& act) {
   try {
@@ -32,6 +32,9 @@ TEST(FieldMistakes, NameThePlaceAndTheNearestName) {
               HasSubstr("/fields/0/field: must be one of 'temperature', is the string 'temprature' "
                         "(did you mean 'temperature'?)"));
   EXPECT_THAT(of_bar(R"({"field": "temperature", "fix": 3})"), HasSubstr("/fields/0: 'where'"));
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "flox": 3, "ramp": 1, "where": {"set": "x0"}})"),
+              AllOf(HasSubstr("/fields/0/flox: unknown key (did you mean 'flux'?)"),
+                    HasSubstr("2 mistakes"), Not(HasSubstr("/fields/0/ramp"))));
   EXPECT_THAT(of_bar(R"({"field": "temperature", "move": [[1, 2], [1, 3]], "where": "all"})"),
               HasSubstr("/fields/0/move/1: must be later"));
   EXPECT_THAT(of_bar(R"({"field": "temperature", "fix": 3, "where": {"set": "x0"}}, {"field":
@@ -58,6 +61,13 @@ TEST(FieldMistakes, SayWhatTheSceneLacks) {
                     {"set": "x0"}}])");
               }),
               HasSubstr("/fields/0/flux: no model of this scene changes"));
+  EXPECT_THAT(message([&] {
+                field_scene(mesh + R"("models": [{"model": "heat", "parameters": {"k": 1, "c": 1}},
+                    {"model": "thermoelastic", "parameters": {"mu": 1, "lambda": 0, "rho": 1}}],
+                    "fields": [{"field": "temprature", "start": 3}])");
+              }),
+              HasSubstr("must be one of 'temperature', is the string"))
+      << "a name that two models declare is given once";
   EXPECT_THAT(of_bar("", R"("integrator": "symplectic-euler", "until": "rest")"),
               HasSubstr("/solver: \"until\": \"rest\" looks at the motion alone"));
 }

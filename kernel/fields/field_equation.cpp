@@ -107,25 +107,22 @@ void FieldEquation::advance_explicitly(double time, double dt) {
 void FieldEquation::explicit_step(double time, double dt) {
   evaluate(time);
   double* const u = field_.values->rows();
-  double produced = 0, flux = 0;
+  double produced = 0, in = 0;
   for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    const double rate = rate_rows_[std::size_t{v} * 4];
-    const double in = has_fluxes_ ? flux_rows_[std::size_t{v} * 4] : 0;
-    produced += rate;
-    flux += in;
+    produced += rate(v);
+    in += flux(v);
     const double c = capacity(v);
-    if (c > 0 && !is_prescribed(v)) u[v] += dt * (rate + in) / c;
+    if (c > 0 && !is_prescribed(v)) u[v] += dt * (rate(v) + flux(v)) / c;
   }
   double through = 0;
   for (const Held& held : held_) {
-    const std::size_t row = std::size_t{held.vertex} * 4;
+    const Index v = held.vertex;
     const double next = prescribed(held, time + dt);
-    through += capacity(held.vertex) * (next - u[held.vertex]) -
-               dt * (rate_rows_[row] + (has_fluxes_ ? flux_rows_[row] : 0));
-    u[held.vertex] = next;
+    through += capacity(v) * (next - u[v]) - dt * (rate(v) + flux(v));
+    u[v] = next;
   }
   balance_.produced += dt * produced;
-  balance_.inflow += dt * flux + through;
+  balance_.inflow += dt * in + through;
 }
 
 void FieldEquation::require_finite() const {

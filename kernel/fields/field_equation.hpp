@@ -98,6 +98,9 @@ class FieldEquation {
   void require_finite() const;
   double sum_content() const;
   double capacity(Index v) const { return field_.capacity ? field_.capacity->rows()[v] : 0; }
+  // As evaluated:
+  double rate(Index v) const { return rate_rows_[std::size_t{v} * 4]; }
+  double flux(Index v) const { return has_fluxes_ ? flux_rows_[std::size_t{v} * 4] : 0; }
   // Newton's method (field_newton.cpp)
   void solve(double time, double per_dt);
   void find_diagonal(double time);

@@ -44,8 +44,7 @@ double FieldEquation::find_residual(double per_dt) {
   const double* const u = field_.values->rows();
   residual_.resize(attributes_.vertex_count());
   for (Index v = 0; v < residual_.size(); ++v) {
-    const std::size_t row = std::size_t{v} * 4;
-    const double in = rate_rows_[row] + (has_fluxes_ ? flux_rows_[row] : 0);
+    const double in = rate(v) + flux(v);
     residual_[v] = is_prescribed(v) ? 0 : in - capacity(v) * (u[v] - before_[v]) * per_dt;
   }
   return norm(residual_);
@@ -80,8 +79,9 @@ void FieldEquation::solve(double time, double per_dt) {
     evaluate(time);
     const double norm = find_residual(per_dt);
     if (i == 0) first = norm;
+    if (norm <= newton_tolerance * first) return book(per_dt);
     find_diagonal(time);
-    if (norm <= std::max(newton_tolerance * first, rounding(per_dt))) return book(per_dt);
+    if (norm <= rounding(per_dt)) return book(per_dt);
     const auto precondition = [&](const double* r, double* z) {
       for (Index v = 0; v < attributes_.vertex_count(); ++v) {
         const double entry = capacity(v) * per_dt + diagonal_[v];
@@ -111,13 +111,12 @@ void FieldEquation::book(double per_dt) {
   const double* const u = field_.values->rows();
   double produced = 0, in = 0;
   for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    produced += rate_rows_[std::size_t{v} * 4];
-    if (has_fluxes_) in += flux_rows_[std::size_t{v} * 4];
+    produced += rate(v);
+    in += flux(v);
   }
   for (const Held& held : held_) {
-    const std::size_t row = std::size_t{held.vertex} * 4;
-    in += capacity(held.vertex) * (u[held.vertex] - before_[held.vertex]) * per_dt -
-          rate_rows_[row] - (has_fluxes_ ? flux_rows_[row] : 0);
+    const Index v = held.vertex;
+    in += capacity(v) * (u[v] - before_[v]) * per_dt - rate(v) - flux(v);
   }
   balance_.produced += produced / per_dt;
   balance_.inflow += in / per_dt;

@@ -18,19 +18,16 @@ using testing::HasSubstr;
 class SavesACheckpoint : public Watched {
  protected:
   Json make(std::uint64_t steps) {
-    for (std::uint64_t i = 0; i < steps; ++i) page.send(R"({"do":"step"})");
-    step_ += steps;
-    return state_after(step_);
+    step(steps);
+    return state_at(step_ += steps);
   }
   void act_and_save() {
     make(20);
-    page.send(R"({"do":"take","tool":"ball","at":[0.5,0.4,0.1]})");
-    page.send(R"({"do":"drag","to":[0.5,0.32,0.1]})");
-    page.send(R"({"do":"apply","event":{"parameters":{"model":"tm-faure","values":{"E":5e5}}}})");
+    press_with_ball();
+    stiffen();
     page.send(cut);
     make(20);
-    page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
-    page.send(R"({"do":"drag","to":[0.4,0.3,0.1]})");
+    grab_and_pull();
     make(2);
     page.send(R"({"do":"checkpoint"})");
     EXPECT_THAT(message_with("saved "), HasSubstr(file_.string()));

@@ -23,12 +23,8 @@ constexpr const char* bent_blade = R"({"do":"apply","event":{"sweep":{
 class GoesBack : public Watched {
  protected:
   void make(std::uint64_t steps) {
-    for (std::uint64_t i = 0; i < steps; ++i) page.send(R"({"do":"step"})");
-    step_ += steps;
-    state_at(step_);
-  }
-  Json state_at(std::uint64_t step) {
-    return state([&](const Json& head) { return head["step"] == step; });
+    step(steps);
+    state_at(step_ += steps);
   }
   Json kept() { return page.until("kept")["kept"]; }
   void go_back(const Json& input, std::uint64_t step) {
@@ -68,15 +64,13 @@ TEST_F(GoesBack, TakesTheLastActionBack) {
 // way, models and gravity that were changed.
 TEST_F(GoesBack, RepeatsWhatCountsBitForBit) {
   make(20);
-  page.send(R"({"do":"take","tool":"ball","at":[0.5,0.4,0.1]})");
-  page.send(R"({"do":"drag","to":[0.5,0.32,0.1]})");
+  press_with_ball();
   make(20);
   page.send(R"({"do":"apply","event":{"gravity":[0,-5,1]}})");
-  page.send(R"({"do":"apply","event":{"parameters":{"model":"tm-faure","values":{"E":5e5}}}})");
+  stiffen();
   page.send(cut);
   make(20);
-  page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
-  page.send(R"({"do":"drag","to":[0.4,0.3,0.1]})");
+  grab_and_pull();
   make(2);
   page.send(R"({"do":"keep","name":"while it is held"})");
   Json list;

@@ -27,12 +27,6 @@ constexpr const char* probed_beam = R"({
 class View : public Watched {
  protected:
   explicit View(const char* scene = beam) : Watched(scene) {}
-  void make(int steps) {
-    for (int i = 0; i < steps; ++i) page.send(R"({"do":"step"})");
-  }
-  Json state_at(int step) {
-    return state([&](const Json& head) { return head["step"] == step; });
-  }
   std::vector<float> numbers(std::size_t from, std::size_t count) const {
     std::vector<float> numbers(count);
     std::memcpy(numbers.data(), page.arrays().data() + from, 4 * count);
@@ -53,11 +47,11 @@ TEST_F(Curves, AreThoseOfTheRun) {
   EXPECT_EQ(plots[2],
             Json({{"name", "tip displacement"}, {"unit", "m"}, {"curves", {"x", "y", "z"}}}));
   EXPECT_EQ(plots[3]["unit"], "N");
-  make(400);
+  step(400);
   state_at(400);
   // The next curves may be due later than that state.
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  make(1);
+  step(1);
   const Json shown = state_at(401)["plots"];
 
   Diagnostics diagnostics;
@@ -86,7 +80,7 @@ TEST_F(View, SendsTheRestShapeWithTheTriangles) {
   const std::vector<float> rest = rest_of(surface);
   state_at(0);
   EXPECT_EQ(numbers(0, rest.size()), rest);
-  make(50);
+  step(50);
   state_at(50);
   EXPECT_NE(numbers(0, rest.size()), rest);
   page.send(cut);
@@ -99,16 +93,16 @@ TEST_F(View, SendsTheRestShapeWithTheTriangles) {
 TEST_F(View, ShowsTheForceOfTheHand) {
   page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
   page.send(R"({"do":"drag","to":[0.4,0.29,0.1]})");
-  make(60);
+  step(60);
   const Json hand = state_at(60)["hand"];
   EXPECT_EQ(hand["place"], Json({0.4, 0.29, 0.1}));
   EXPECT_LT(hand["force"][1], -10);  // N: the body pulls back
   page.send(R"({"do":"let_go"})");
-  make(1);
+  step(1);
   EXPECT_FALSE(state_at(61).contains("hand"));
   page.send(R"({"do":"take","tool":"ball","at":[0.5,0.3,0.1]})");
   page.send(R"({"do":"drag","to":[0.5,0.15,0.1]})");
-  make(200);
+  step(200);
   EXPECT_GT(state_at(261)["hand"]["force"][1], 10);
   page.send(R"({"do":"take","tool":"bal","at":[0.5,0.3,0.1]})");
   EXPECT_THAT(page.until("error")["error"], HasSubstr("did you mean 'ball'?"));
@@ -144,9 +138,9 @@ TEST_F(View, CutsWhatABladeHasSwept) {
 
 // The run is made again, with what was done so far.
 TEST_F(View, CutsAlongBladesWithoutAnEventThatDoes) {
-  make(20);
+  step(20);
   page.send(R"({"do":"apply","event":{"gravity":[0,-5,0]}})");
-  make(30);
+  step(30);
   state_at(50);
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.31,0,0],"normal":[1,0,0.3]}}}})");
@@ -160,7 +154,7 @@ TEST_F(View, CutsAlongBladesWithoutAnEventThatDoes) {
   EXPECT_EQ(page.until("triangles")["laid_open"], 0);
   page.send(bent_cut_along_blade);
   EXPECT_GT(page.until("triangles")["laid_open"], 0);
-  make(30);
+  step(30);
   state_at(80);
   stop();
   expect_same_bits(recording());  // up to then
@@ -185,7 +179,7 @@ class Sewn : public View {
 };
 
 TEST_F(Sewn, CannotBeCutAlongABlade) {
-  make(10);
+  step(10);
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.31,0,0],"normal":[1,0,0]}}}})");
   EXPECT_THAT(page.until("error")["error"], HasSubstr("/events/0/suture: acts on whole faces"));
@@ -211,7 +205,7 @@ class Sliced : public View {
 };
 
 TEST_F(Sliced, ShowsItsBladeAndIsCutAlongAnother) {
-  make(100);
+  step(100);
   const Json head = state_at(100);
   ASSERT_EQ(head["blades"].size(), 1U);
   EXPECT_NEAR(head["blades"][0][2].get<double>(), -0.1 + 0.4 * head["time"].get<double>() / 100,
@@ -222,10 +216,10 @@ TEST_F(Sliced, ShowsItsBladeAndIsCutAlongAnother) {
   EXPECT_GT(page.until("triangles")["laid_open"], 0);
   page.send(R"({"do":"back"})");
   EXPECT_EQ(page.until("triangles")["laid_open"], 0);
-  make(1);
+  step(1);
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.37,0,0],"normal":[1,0,0.3]}}}})");
-  make(50);
+  step(50);
   state_at(151);
   stop();
   EXPECT_EQ(read_recording(recording()).inputs.size(), 1U);
@@ -267,7 +261,7 @@ TEST_F(View, ChangesModelsAndGravity) {
   }
   page.send(R"({"do":"back"})");
   next_values([&](const Json& values) { return values["gravity"] == Json({0, -9.8, 0}); });
-  make(30);
+  step(30);
   state_at(30);
   stop();
   ASSERT_EQ(read_recording(recording()).inputs.size(), 1U);

@@ -73,6 +73,21 @@ class Watched : public testing::Test {
     for (;;)
       if (Json head = page.until("step"); is_so(head)) return head;
   }
+  /// Single steps, of a run that is paused.
+  void step(std::uint64_t count) {
+    for (std::uint64_t i = 0; i < count; ++i) page.send(R"({"do":"step"})");
+  }
+  void press_with_ball() {
+    page.send(R"({"do":"take","tool":"ball","at":[0.5,0.4,0.1]})");
+    page.send(R"({"do":"drag","to":[0.5,0.32,0.1]})");
+  }
+  void grab_and_pull() {
+    page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
+    page.send(R"({"do":"drag","to":[0.4,0.3,0.1]})");
+  }
+  void stiffen() {
+    page.send(R"({"do":"apply","event":{"parameters":{"model":"tm-faure","values":{"E":5e5}}}})");
+  }
   /// Pulls the body apart.
   void fail_the_run() {
     page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");
@@ -80,6 +95,9 @@ class Watched : public testing::Test {
         R"({"do":"apply","event":{"move":{"grasp":"live-hand","translation":[0,50,0],"during":0.001}}})");
     page.send(R"({"do":"play"})");
     EXPECT_THAT(page.until("error")["error"], testing::HasSubstr("The run has failed"));
+  }
+  Json state_at(std::uint64_t step) {
+    return state([&](const Json& head) { return head["step"] == step; });
   }
   Json state_after(std::uint64_t step) {
     return state([&](const Json& head) { return head["step"] >= step; });

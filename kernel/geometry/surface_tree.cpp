@@ -202,17 +202,11 @@ void SurfaceTree::descend(Index node, Search& search) const {
   if (far < search.squared_distance) descend(second, search);
 }
 
-Index SurfaceTree::nearest(const Vec3& place, Index start) const {
-  Search search{place, std::numeric_limits<double>::infinity()};
+Index SurfaceTree::nearest(const Vec3& place, Index start, double within) const {
+  Search search{place, within * within};
   examine({&start, 1}, search);
   descend(1, search);
   return search.found;
-}
-
-bool SurfaceTree::is_within(const Vec3& place, double distance) const {
-  Search search{place, distance * distance};
-  descend(1, search);
-  return search.found != none;
 }
 
 bool SurfaceTree::overlap(const Node& a, const Node& b) {

@@ -64,6 +64,7 @@ class Xpbd final : public Integrator {
 
   /// By w in a uniform deformation: at rest there is no energy, and at random all is stiff.
   double step_of_softness(double softness) override {
+    constexpr double instant = 1e-9;  // s, in which what is missing grows with the square
     constexpr double gradient[3][3] = {
         {3e-4, 2e-4, 1e-4}, {-1e-4, 2e-4, 3e-4}, {2e-4, 1e-4, -3e-4}};
     Column& position = body().attributes().position();
@@ -72,10 +73,11 @@ class Xpbd final : public Integrator {
       for (std::size_t c = 0; i % 4 != 3 && c < 3; ++c)
         position.rows()[i] += gradient[i % 4][c] * before[i / 4 * 4 + c];
     const ForceLoop::Softness unit =
-        body().models().project({motion_.time(), 1, inverse_mass().data(), false});
+        body().models().project({motion_.time(), instant, inverse_mass().data(), false});
     std::ranges::copy(before, position.rows());
-    return unit.missing > 0 ? std::sqrt(softness * unit.energy / unit.missing)
-                            : std::numeric_limits<double>::infinity();
+    return unit.missing > 0
+               ? instant * std::sqrt(softness / (1 - softness) * unit.energy / unit.missing)
+               : std::numeric_limits<double>::infinity();
   }
 
   void state(Archive& archive) override {

@@ -21,7 +21,8 @@
 //
 // For one cell alone this is a step of implicit Euler. Of many, each misses what those after it
 // will do. In a smooth deformation the forces of the others cancel its own, so that half of these
-// misses about -h^2 w / 2: the pass leaves out that part of the stiffness, which falls with h^2.
+// misses about -h^2 w / 2: the pass keeps 1 / (1 + h^2 w / 2) of the stiffness. What it leaves out
+// falls with h^2.
 //
 // Chunks come in the order of their list, in which each waits for those with which it shares
 // vertices. The cells of a chunk are packed into batches of up to 8 that share none, first fit. So
@@ -84,7 +85,7 @@ ForceLoop::Softness move_nodes(const ForceLoop::Projection& step, const loops::J
         [&](std::size_t row, double f) { w += f * f * step.inverse_mass[row] / (2 * energy[l]); });
     const double softness = square * w, factor = square / (1 + softness);
     sum.energy += energy[l];
-    sum.missing += softness / 2 * energy[l];
+    sum.missing += softness / (2 + softness) * energy[l];
     if (!step.moves) continue;
     for_each_component(
         [&](std::size_t row, double f) { position[row] += factor * step.inverse_mass[row] * f; });

@@ -7,6 +7,12 @@
 #include "kernel/implicit/newton.hpp"
 
 namespace suture {
+namespace {
+
+// A part of the stiffness: the error of displacements is proportional to less.
+constexpr double estimable = 0.2;
+
+}  // namespace
 
 std::string rounding_warning(Dynamics& dynamics, double tolerance) {
   const Newton* newton = dynamics.newton();
@@ -25,8 +31,12 @@ std::vector<std::string> notes_on_steps(Dynamics& dynamics) {
   if (const double softness = dynamics.softness(); softness > 0) {
     std::ostringstream text;
     text << "the stiffness depends on the step: steps left out about " << 100 * softness
-         << " % of it, so displacements are too large by about as much; half of dt leaves out a "
-            "quarter of that";
+         << " % of it";
+    if (softness < estimable)
+      text << ", so displacements are too large by about as much; half of dt leaves out a quarter "
+              "of that";
+    else
+      text << ", which is too much to say what displacements would be without; reduce dt";
     notes.push_back(text.str());
   }
   return notes;

@@ -19,7 +19,7 @@ TEST(Xpbd, IsExactForOneSpring) {
     rig::Oscillator o({.integrator = xpbd, .damping = 20, .gravity = {1, 0, 0}});
     o.start();
     o.run(h, static_cast<int>(20 / h));
-    const double softness = h * h * o.k / o.m / 2;
+    const double square = h * h * o.k / o.m, softness = square / (2 + square);
     EXPECT_NEAR(o.u(), o.m / o.k, 1e-9) << h;
     EXPECT_NEAR(o.dynamics.softness(), softness, 1e-9 * softness);
     EXPECT_NEAR(o.dynamics.step_of_softness(softness), h, 0.05 * h);

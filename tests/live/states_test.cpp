@@ -175,6 +175,29 @@ TEST_F(GoesBack, WritesASceneThatDoesTheSame) {
   EXPECT_NEAR(pose.translation[1], -0.04, 1e-12);
 }
 
+// Steps that the run makes from the aim to the action are taken back, too.
+TEST_F(GoesBack, TakesAnAimedActionBackToWhereItWasAimed) {
+  make(20);
+  page.send(R"({"do":"aim"})");
+  make(10);
+  std::string aimed = cut;
+  aimed.insert(1, R"("aimed":true,)");
+  page.send(aimed);
+  EXPECT_EQ(kept()[0]["step"], 20);
+  make(10);
+  page.send(cut);  // not aimed
+  page.send(R"({"do":"keep"})");
+  Json list = kept();
+  while (list.back()["name"] != "kept") list = kept();
+  EXPECT_EQ(list[1]["step"], 40);
+  page.send(R"({"do":"back"})");
+  go_back({{"do", "back"}}, 20);
+  make(30);
+  stop();
+  EXPECT_TRUE(read_recording(recording()).inputs.empty());
+  expect_same_bits(recording());
+}
+
 TEST_F(GoesBack, KeepsNoStateForARefusedAction) {
   EXPECT_EQ(kept().size(), 0U);
   page.send(R"({"do":"apply","event":{"cut":{}}})");

@@ -117,7 +117,7 @@ export class Picture {
     this.show_blades(head.blades);
     if (this.radius === 0) this.look_at_body(positions);
     this.show_held(head.hand, head.device);
-    this.draw();
+    this.draw_now();
   }
 
   show_blades(blades) {
@@ -283,9 +283,24 @@ export class Picture {
     this.is_due = true;
     requestAnimationFrame(() => {
       this.is_due = false;
-      this.before_drawing();
-      this.edges.visible = this.shows_edges && this.pixels(this.edge) >= shortest_edge;
-      this.renderer.render(this.scene, this.camera);
+      this.render();
     });
+  }
+
+  // At once, so that it is done by the next refresh; but only one picture for each.
+  draw_now() {
+    if (this.is_due || this.is_fresh) {
+      this.draw();
+      return;
+    }
+    this.is_fresh = true;
+    requestAnimationFrame(() => { this.is_fresh = false; });
+    this.render();
+  }
+
+  render() {
+    this.before_drawing();
+    this.edges.visible = this.shows_edges && this.pixels(this.edge) >= shortest_edge;
+    this.renderer.render(this.scene, this.camera);
   }
 }

@@ -163,17 +163,14 @@ LivePicture Pictures::picture(const LiveStatus& status) {
 }
 
 std::string Pictures::surface_message() {
-  const auto triangles = surface_.triangles();
-  const auto edges = surface_.edges();
   std::string message = begin_message({{"kind", "surface"},
                                        {"surface", last_number_},
                                        {"points", surface_.size()},
-                                       {"triangles", triangles.size()},
-                                       {"laid_open", surface_.laid_open()},
-                                       {"edges", edges.size()}},
-                                      12 * (triangles.size() + surface_.size()) + 8 * edges.size());
-  append(message, triangles);
-  append(message, edges);
+                                       {"faces", surface_.face_count()},
+                                       {"corners", surface_.corners_per_face()},
+                                       {"laid_open", surface_.laid_open()}},
+                                      4 * surface_.corners().size() + 12 * surface_.size());
+  append(message, surface_.corners());
   std::vector<float> rest;
   rest.reserve(3 * surface_.size());
   surface_.append_rest(rest);

@@ -43,12 +43,12 @@ TEST_F(GoesBack, TakesTheLastActionBack) {
   const Json before = kept()[0];
   EXPECT_EQ(before["name"], "cut");
   EXPECT_EQ(before["step"], 50);
-  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  EXPECT_GT(page.until("corners")["laid_open"], 0);
   make(100);
   page.send(R"({"do":"back"})");
   EXPECT_THAT(page.until("message")["message"], HasSubstr("cut was taken back"));
   EXPECT_EQ(kept(), Json::array());
-  EXPECT_EQ(page.until("triangles")["laid_open"], 0);
+  EXPECT_EQ(page.until("corners")["laid_open"], 0);
   EXPECT_EQ(state_at(50)["time"], before["time"]);
   page.send(R"({"do":"back"})");
   EXPECT_THAT(page.until("error")["error"], HasSubstr("no action to take back"));

@@ -39,8 +39,7 @@ function decode(buffer) {
 function take_message(buffer) {
   const { head, take } = decode(buffer);
   if (head.kind === 'surface') {
-    picture.set_surface(head, take(Uint32Array, 3 * head.triangles), take(Uint32Array, 2 * head.edges),
-      take(Float32Array, 3 * head.points));
+    picture.set_surface(head, take(Uint32Array, head.faces * head.corners), take(Float32Array, 3 * head.points));
     live.surface = head;
     return;
   }

@@ -136,10 +136,26 @@ void LiveRun::apply(const std::string& value, Observer& observer, const std::str
   record(input);
 }
 
+/// What was done since the scene began, if that is known.
+std::optional<std::vector<RecordedInput>> LiveRun::all_inputs() const {
+  auto all = earlier_;
+  if (!all || !recording_->has_inputs()) return all;
+  const std::vector<RecordedInput> since = recording_->read().inputs;
+  all->insert(all->end(), since.begin(), since.end());
+  return all;
+}
+
 /// Sends a scene that does what was done so far.
 void LiveRun::send_scene() {
-  if (!recording_->has_inputs()) throw InputError("nothing was done yet that a scene could repeat");
-  const RecordedScene scene = scene_of(recording_->read(), simulation_->time());
+  if (!recording_->is_on())
+    throw InputError("the script has done what neither a recording nor a scene can repeat");
+  const auto inputs = all_inputs();
+  if (!inputs)
+    throw InputError(
+        "a scene begins at rest, and the checkpoint at which this run began does not say what was "
+        "done before: only those of suture live do");
+  if (inputs->empty()) throw InputError("nothing was done yet that a scene could repeat");
+  const RecordedScene scene = scene_of(scene_->source.text, *inputs, simulation_->time());
   for (const std::string& input : scene.left_out)
     tell("warning", "a scene cannot say this input, which was left out: " + input);
   server_.say(json_text(Json{{"scene", scene.text}, {"name", scene_->file.stem().string()}}));
@@ -176,6 +192,7 @@ void LiveRun::make_divisible(Observer& observer) {
       *simulation);
   done.start = state_hash(*simulation);
   done.last_step = simulation_->step();  // to where this run is
+  CheckpointHeader header = checkpoint_header(simulation->built(), host_);
   auto pictures = std::make_unique<Pictures>(*simulation, pictures_->last_number());
   if (!repeat(done, *scene, *simulation, observer, diagnostics_))
     throw InputError("the run made again ended earlier; cut along faces");
@@ -183,6 +200,7 @@ void LiveRun::make_divisible(Observer& observer) {
   recording_->end(*simulation_);
   kept_.clear();
   take(std::move(simulation), std::move(pictures));
+  header_ = std::move(header);
   divisible_ = std::move(scene);
   scene_ = divisible_.get();
   recording_ = std::move(recording);
@@ -195,7 +213,9 @@ void LiveRun::save_checkpoint() {
   const std::filesystem::path file =
       free_name(recording_->path().parent_path(), *scene_, "checkpoint", ".h5");
   try {
-    suture::save_checkpoint(*simulation_, header_, file);
+    CheckpointHeader header = header_;
+    if (const auto inputs = all_inputs()) header.inputs = lines_of(*inputs);
+    suture::save_checkpoint(*simulation_, std::move(header), file);
   } catch (const IoError& error) {
     return tell("error", error.what());
   }

@@ -154,7 +154,11 @@ void LiveRun::show_last() {
 void LiveRun::resume(Checkpoint checkpoint, const std::filesystem::path& file, Observer& observer) {
   require_fit(checkpoint.header, header_, file);
   start_.emplace(std::move(checkpoint.state));
-  load_checkpoint(file, [&] { simulation_->load(*start_); });
+  earlier_.reset();
+  load_checkpoint(file, [&] {
+    simulation_->load(*start_);
+    if (checkpoint.header.inputs) earlier_ = inputs_of(*checkpoint.header.inputs);
+  });
   pictures_->find_surface_again();
   recording_ = RecordingWriter(recording_->path(), *scene_, *simulation_, file);
   for (const char* grasp : {hand_name, device_grasp_name})

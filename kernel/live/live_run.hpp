@@ -99,6 +99,7 @@ class LiveRun {
   bool control(const std::string& what, const Json& input, Observer& observer);
   void act(const std::string& what, const Json& input, Observer& observer);
   void play(bool plays);
+  std::optional<std::vector<RecordedInput>> all_inputs() const;
   void send_scene();
   void save_checkpoint();
   void make_divisible(Observer& observer);
@@ -127,6 +128,8 @@ class LiveRun {
   std::optional<RecordingWriter> recording_;
   CheckpointHeader header_;         ///< of checkpoints of a run of its own
   std::optional<StateTree> start_;  ///< if it began at a checkpoint
+  /// Inputs before the checkpoint at which it began, if that says so.
+  std::optional<std::vector<RecordedInput>> earlier_{std::in_place};
   std::string field_ = "displacement";
   LiveStatus status_;
   bool is_shown_ = false;

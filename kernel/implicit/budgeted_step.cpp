@@ -36,7 +36,7 @@ namespace {
 // What more iterations would not improve for the eye.
 constexpr double linear_tolerance = 1e-3;
 constexpr unsigned max_halvings = 6;
-// Of the energies that are compared.
+// A part of the energies that are compared.
 constexpr double rounding = 1e-12;
 
 /// visit(mass, place among 4 numbers per vertex) for free components.

@@ -174,7 +174,7 @@ class Newton {
   bool is_moving_ = false;                 ///< prescribed components have not arrived
   std::vector<NonsmoothTerm*> nonsmooth_;  ///< of the body, in the current solve
   unsigned limited_steps_ = 0, iterations_ = 0;
-  /// Of take_step(): how many there were, and how many of these the budget ended.
+  /// Calls of take_step(), and those that the budget ended.
   struct Budgeted {
     std::uint64_t steps = 0, ended = 0;
     double largest_residual = 0;  ///< of the linear solves, relative

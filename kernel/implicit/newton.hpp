@@ -144,7 +144,7 @@ class Newton {
   bool update_constraints(double time);
   void iterate_through_kinks(const StepEquations& equations);
   void iterate(const StepEquations& equations, unsigned allowed);
-  void start_from_prediction(const StepEquations& equations);
+  bool start_from_prediction(const StepEquations& equations);
   bool start_from_coarse_levels(const StepEquations& equations);
   bool solve_on_level(const StepEquations& equations, CoarseSystem& system);
   double evaluate(const StepEquations& equations);

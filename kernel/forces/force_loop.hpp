@@ -83,7 +83,7 @@ class ForceLoop final : public ForceTerm,
     const double* inverse_mass{};  ///< rows of 4, 1/kg; 0 at components that are held
     bool moves = true;             ///< false: only finds the softness
   };
-  /// Sums over the cells, J: their energy U, and h^2 w U / 2: what the pass leaves out of it.
+  /// Sums over the cells, J: their energy U, and what the pass leaves out of it.
   struct Softness {
     double energy = 0, missing = 0;
   };

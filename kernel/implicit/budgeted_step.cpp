@@ -145,6 +145,12 @@ void Newton::prepare(const StepEquations& equations) {
   solver_.prepare();
 }
 
+void Newton::budget_state(Archive& archive) {
+  archive("steps", budgeted_.steps);
+  archive("ended", budgeted_.ended);
+  archive("largest residual", budgeted_.largest_residual);
+}
+
 std::string Newton::budget_text() const {
   if (budgeted_.ended == 0) return "";
   std::ostringstream text;

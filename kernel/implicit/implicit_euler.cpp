@@ -25,6 +25,10 @@ class ImplicitEuler final : public ImplicitIntegrator {
     ImplicitIntegrator::accept(end);
     if (clock_) clock_->end();
   }
+  void state(Archive& archive) override {
+    ImplicitIntegrator::state(archive);
+    if (clock_) newton()->budget_state(archive);
+  }
 
  private:
   void find(const StepEquations& equations) override {

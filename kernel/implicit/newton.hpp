@@ -55,6 +55,7 @@ class Newton {
   /// What the linear solves of take_step() left; "" if all reached the tolerance or there were
   /// none.
   std::string budget_text() const;
+  void budget_state(Archive& archive);  ///< what that text says
 
   /// To be called when cells have changed.
   void forget() { solver_.forget(); }

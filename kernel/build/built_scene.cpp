@@ -145,7 +145,8 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
 /// Before the models, which must allow it.
 void BuiltScene::let_parts_grow() {
   const auto event = std::ranges::find_if(scene_.events, &Event::is_along_blade);
-  const std::string path = event->path + "/cut/along: ";
+  const std::string path =
+      event != scene_.events.end() ? event->path + "/cut/along: " : "/divisible: ";
   if (const Index e = first_off_lattice(body_.complex()); e != none)
     throw InputError(
         path + "element " + std::to_string(element_name(e)) +

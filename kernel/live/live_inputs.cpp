@@ -28,15 +28,11 @@ bool is_along_blade(const Json& event) {
   return along != event.begin().value().end() && *along == "blade";
 }
 
-/// The scene with a cut along a blade, far from the body and at its end: so its models are prepared
-/// for such cuts.
+/// The scene with models that are prepared for cuts along blades.
 std::unique_ptr<Scene> divisible(const Scene& scene, PluginHost& host, Diagnostics& diagnostics) {
-  using Ordered = nlohmann::ordered_json;
   SceneSource source = scene.source;
-  Ordered text = Ordered::parse(source.text, nullptr, true, true);
-  text["events"].push_back(
-      {{"at", scene.solver.end.value_or(1e6)},
-       {"cut", {{"plane", {{"point", {1e6, 0, 0}}, {"normal", {1, 0, 0}}}}, {"along", "blade"}}}});
+  auto text = nlohmann::ordered_json::parse(source.text, nullptr, true, true);
+  text["divisible"] = true;
   source.text = text.dump();
   auto made = std::make_unique<Scene>(read_scene_source(source, {}, host, diagnostics));
   leave_out_results(*made);
@@ -165,7 +161,7 @@ void LiveRun::send_scene() {
 /// with such models. Throws the errors of Simulation and of repeat(); nothing has changed then.
 void LiveRun::make_divisible(Observer& observer) {
   if (simulation_->attributes().parts().may_grow()) return;
-  require_own("prepare it for cuts along blades; add one to the events of its scene");
+  require_own("prepare it for cuts along blades; set \"divisible\": true in its scene");
   if (start_)
     throw InputError(
         "this run began at a checkpoint of a scene without cuts along blades, so it cannot make "

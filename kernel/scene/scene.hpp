@@ -185,6 +185,7 @@ struct Scene {
   ContactOptions contact;
   std::vector<Event> events;       ///< by time (Event::start)
   bool cuts_follow_blade = false;  ///< unless they say "along": version 2 of the format
+  bool is_divisible = false;       ///< models are prepared for cuts along blades that are added
   SolverOptions solver;
   OutputOptions output;
   CheckpointOptions checkpoint;
@@ -192,10 +193,11 @@ struct Scene {
   SceneSource source;
   ScenePlaces places;
 
-  /// Whether it has cuts along blades, which leave parts of elements.
-  bool divides_elements() const { return std::ranges::any_of(events, &Event::is_along_blade); }
-  /// Whether cuts that programs add to the run follow the blade unless they say "along": models are
-  /// prepared for that only if the scene has such cuts.
+  /// Whether it has cuts along blades, which leave parts of elements, or may get them.
+  bool divides_elements() const {
+    return is_divisible || std::ranges::any_of(events, &Event::is_along_blade);
+  }
+  /// Whether cuts that programs add to the run follow the blade unless they say "along".
   bool added_cuts_follow_blade() const { return cuts_follow_blade && divides_elements(); }
 };
 

@@ -155,9 +155,15 @@ TEST_F(View, CutsAlongBladesWithoutAnEventThatDoes) {
   EXPECT_GT(page.until("corners")["laid_open"], 0);
   step(30);
   state_at(80);
+  page.send(R"({"do":"checkpoint"})");
+  while (page.until("message")["message"].get<std::string>().find("saved") == std::string::npos)
+    continue;
+  const Checkpoint saved = read_checkpoint(folder_ / "beam-checkpoint.h5");
+  EXPECT_THAT(saved.header.scene_text, HasSubstr(R"("divisible":true)"));
   stop();
   expect_same_bits(recording());  // up to then
   const std::filesystem::path second = folder_ / "beam-recording.jsonl";
+  EXPECT_THAT(read_recording(second).source.text, HasSubstr(R"("divisible":true)"));
   EXPECT_EQ(read_recording(second).inputs.size(), 2U);
   EXPECT_EQ(read_recording(second).last_step, 80U);
   expect_same_bits(second);

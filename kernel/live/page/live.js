@@ -4,6 +4,7 @@
 import { colour_at } from './look.js';
 import { Picture } from './scene.js';
 import { follow_mouse } from './hands.js';
+import { follow_keys } from './keys.js';
 import { show_values } from './panel.js';
 import { Plots } from './plots.js';
 import { Video, save_picture, save_text } from './save.js';
@@ -242,7 +243,19 @@ $('#show-side').onchange = (event) => { $('#side').classList.toggle('open', even
 $('#edges').onchange = (event) => { picture.shows_edges = event.target.checked; picture.draw(); };
 $('#clip').onchange = clip;
 $('#clip-at').oninput = clip;
-document.addEventListener('keydown', (event) => {
-  if (event.code === 'Space' && live.control && event.target === document.body) toggle();
-});
-follow_mouse(picture, () => document.querySelector('.tools input:checked').value, hands);
+$('#fit').onclick = () => picture.fit();
+$('#show-help').onclick = () => $('#help').showModal();
+
+const cancel = follow_mouse(picture, () => $('.tools input:checked').value, hands);
+const press = (selector) => () => $(selector).click();
+follow_keys([
+  { key: 'space', does: 'plays or pauses', act: press('#play') },
+  { key: '.', does: 'makes a step', act: press('#step') },
+  { key: 'z', does: 'takes the last action back', act: press('#back') },
+  { key: 'escape', does: 'lets go; ends a drag without a cut', act: cancel },
+  { key: 'f', does: 'shows the whole body', act: press('#fit') },
+  { key: 'e', does: 'shows or hides edges', act: press('#edges') },
+  ...[...document.querySelectorAll('.tools input')].map((input) => (
+    { key: input.value[0], does: `${input.value}: ${input.parentNode.title}`, act: () => input.click() })),
+  { key: '?', does: 'shows this', act: press('#show-help') },
+], $('#keys'));

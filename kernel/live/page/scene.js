@@ -162,6 +162,10 @@ export class Picture {
 
   // ---- camera ----
 
+  fit() {
+    if (this.positions) this.look_at_body(this.positions.array);
+  }
+
   look_at_body(positions) {
     const box = new THREE.Box3().setFromArray(positions);
     this.box = box;

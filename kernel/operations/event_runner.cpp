@@ -18,31 +18,6 @@
 #include "kernel/operations/swept_sheet.hpp"
 
 namespace suture {
-EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
-  faces_cut += other.faces_cut;
-  faces_torn += other.faces_torn;
-  faces_sewn += other.faces_sewn;
-  elements_removed += other.elements_removed;
-  elements_cut += other.elements_cut;
-  nodes_held += other.nodes_held;
-  nodes_released += other.nodes_released;
-  return *this;
-}
-
-std::string EventOutcome::text() const {
-  std::string text;
-  const auto add = [&](const char* verb, Index n, const char* what) {
-    if (n > 0) text += (text.empty() ? "" : ", ") + std::string(verb) + count_text(n, what);
-  };
-  add("cut ", elements_cut, "element");
-  add("cut ", faces_cut, "face");
-  add("tore ", faces_torn, "face");
-  add("sewed ", faces_sewn, "face");
-  add("removed ", elements_removed, "element");
-  add("grasped ", nodes_held, "node");
-  add("released ", nodes_released, "node");
-  return text;
-}
 
 // ------------------------------------------------------------ operations --
 
@@ -243,7 +218,10 @@ EventOutcome EventRunner::Call::cut_to(const std::vector<Vec3>& edge, double at,
                 *state.sheet, event.path + "/cut/along", 4, state.sheet->ties());
   state.sheet->keep(cut.heights, cut.cloning.origins);
   state.sheet->ties() = cut.ties;
-  return divide(cut);
+  const Index first_copy = built.body().complex().element_count();
+  EventOutcome outcome = divide(cut);
+  if (state.edge) built.body().contact()->edge_divided(*state.edge, first_copy);
+  return outcome;
 }
 
 EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
@@ -335,7 +313,12 @@ EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
 
 EventRunner::EventRunner(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
     : scene_(scene), built_(built), diagnostics_(diagnostics), removals_(scene, built) {
-  for (const Event& event : scene.events) states_.push_back(prepare(event));
+  std::size_t edges = 0;
+  for (const Event& event : scene.events) {
+    states_.push_back(prepare(event));
+    const auto* blade = std::get_if<CutBlade>(&event.what);
+    if (blade && blade->resistance) states_.back().edge = edges++;
+  }
   built.body().add_follower(*this);
 }
 
@@ -502,12 +485,6 @@ std::vector<BladeShape> EventRunner::blades(double time) const {
       shapes.push_back({number, surface->points, surface->triangles});
   }
   return shapes;
-}
-
-void OpenedFace::state(Archive& archive) {
-  archive("side", side);
-  archive("event", event);
-  archive("time", time);
 }
 
 void EventRunner::state(Archive& archive) {

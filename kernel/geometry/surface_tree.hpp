@@ -34,6 +34,8 @@ class SurfaceTree {
   /// triangle `start`, the faster the search.
   Index nearest(const Vec3& place, Index start,
                 double within = std::numeric_limits<double>::infinity()) const;
+  /// Whether a triangle is nearer than `distance`.
+  bool is_within(const Vec3& place, double distance) const;
   /// Calls visit(some, others) with lists of a few triangles, so that each pair of triangles whose
   /// boxes overlap is in one call. In the calls with some = others, these are the pairs among them.
   template <class Visit>

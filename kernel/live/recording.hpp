@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,10 @@ struct Recording {
   std::uint64_t last_step = 0;
   std::string end;  ///< state_hash() after the last step; "" if the program was killed
 };
+
+/// Inputs as lines of a recording, and back. The latter throws InputError.
+std::string lines_of(std::span<const RecordedInput> inputs);
+std::vector<RecordedInput> inputs_of(const std::string& lines);
 
 /// Whether a file begins like a recording; false if it cannot be read.
 bool is_recording(const std::filesystem::path& file);

@@ -10,7 +10,7 @@ const spacing = 8;  // of the places of a way, pixels
 
 // `tool()`: the chosen one. `hands`: cut(way) with the places of a drag of the knife on the canvas; grab(point),
 // take(tool, point), drag(point) and let_go() of the hand; pierce(point), and suture(a, b) with places
-// at rest.
+// at rest. aim() when a drag or a click of the latter begins.
 export function follow_mouse(picture, tool, hands) {
   const canvas = picture.canvas;
   let drag = null;  // {button, tool, way, last, point}
@@ -23,6 +23,9 @@ export function follow_mouse(picture, tool, hands) {
     begin[drag.tool]?.(now);
   });
   const begin = {
+    knife: hands.aim,
+    needle: hands.aim,
+    suture: hands.aim,
     grab(now) {
       const hit = picture.hit(...now);
       if (hit) hands.grab(drag.point = hit.point);

@@ -39,17 +39,16 @@ function decode(buffer) {
 function take_message(buffer) {
   const { head, take } = decode(buffer);
   if (head.kind === 'surface') {
-    picture.set_surface(head, take(Uint32Array, 3 * head.triangles), take(Uint32Array, 2 * head.edges),
-      take(Float32Array, 3 * head.points));
+    picture.set_surface(head, take(Uint32Array, head.faces * head.corners), take(Float32Array, 3 * head.points));
     live.surface = head;
     return;
   }
+  live.state = head;
+  is_awaited = true;
   const points = live.surface.points;
   picture.set_state(head, take(Float32Array, 3 * points), take(Float32Array, points));
-  live.state = head;
   show_numbers(head);
   if (head.plots) plots.add(head.time, head.plots);
-  is_awaited = true;
 }
 
 // The next picture may come while this one is drawn.
@@ -125,11 +124,14 @@ function show_force(held, text) {
   text.style.top = `${y - 8}px`;
 }
 
+// A page that changes is drawn for longer than the picture that a hand waits for.
+const later = (change) => setTimeout(change, 100);
+
 function show_kept(kept) {
   live.kept = kept;
   const names = kept.map((state) => new Option(
     `${state.action ? 'before ' : ''}${state.name}, ${digits(state.time, 3)} s`, state.id));
-  $('#kept').replaceChildren(new Option('go back to ...', ''), ...names.reverse());
+  later(() => $('#kept').replaceChildren(new Option('go back to ...', ''), ...names.reverse()));
 }
 
 function show_message(kind, text) {
@@ -137,9 +139,11 @@ function show_message(kind, text) {
   const item = document.createElement('li');
   item.className = kind;
   item.textContent = text;
-  $('#messages').append(item);
-  if ($('#messages').children.length > 50) $('#messages').firstChild.remove();
-  $('#messages').scrollTop = $('#messages').scrollHeight;
+  later(() => {
+    $('#messages').append(item);
+    if ($('#messages').children.length > 50) $('#messages').firstChild.remove();
+    $('#messages').scrollTop = $('#messages').scrollHeight;
+  });
 }
 
 function draw_legend() {
@@ -156,7 +160,7 @@ const clip = () => picture.clip($('#clip').value, Number($('#clip-at').value));
 // In coordinates of the scene.
 const in_scene = (point) => point.toArray().map((x, axis) => x + live.greeting.origin[axis]);
 const from_scene = (place) => place.map((x, axis) => x - live.greeting.origin[axis]);
-const apply = (event) => { if (live.control) send({ do: 'apply', event }); };
+const apply = (event, aimed = false) => { if (live.control) send({ do: 'apply', event, aimed }); };
 
 // A mouse moves more often than a hand needs to know; where it stops counts.
 const drag_interval = 30;  // ms
@@ -174,23 +178,26 @@ function send_drag(point) {
 }
 
 const hands = {
+  aim() {
+    if (live.control) send({ do: 'aim' });
+  },
   is_path: () => $('#cut').value === 'path',
   cut(way) {
     const along = $('#along-blade').checked ? 'blade' : 'faces';
     if (!hands.is_path()) {
       const polygon = picture.plane_through(way[0], way.at(-1)).map(in_scene);
-      return apply({ cut: { plane: { polygon }, along } });
+      return apply({ cut: { plane: { polygon }, along } }, true);
     }
     const { points, triangles } = picture.swept(way);
-    apply({ sweep: { points: points.map(in_scene), triangles, along } });
+    apply({ sweep: { points: points.map(in_scene), triangles, along } }, true);
   },
   pierce(point) {
-    apply({ pierce: { where: { nearest: in_scene(point) } } });
+    apply({ pierce: { where: { nearest: in_scene(point) } } }, true);
   },
   // Around two places of the rest shape: lips that fit lie at the same place there.
   suture(a, b) {
     const centre = a.clone().add(b).divideScalar(2), radius = a.distanceTo(b) / 2 + 2 * live.greeting.edge;
-    apply({ suture: { where: { sphere: { centre: in_scene(centre), radius } } } });
+    apply({ suture: { where: { sphere: { centre: in_scene(centre), radius } } } }, true);
   },
   take(tool, point) {
     if (live.control) send({ do: 'take', tool: live.greeting.obstacles[tool].name, at: in_scene(point) });

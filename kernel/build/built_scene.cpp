@@ -29,6 +29,7 @@
 #include "kernel/parts/fill_labels.hpp"
 #include "kernel/parts/fill_shape.hpp"
 #include "kernel/parts/lattice.hpp"
+#include "kernel/parts/part_materials.hpp"
 #include "kernel/topology/bad_elements.hpp"
 
 namespace suture {
@@ -305,9 +306,14 @@ void BuiltScene::add_edges(Contact& contact) {
     const auto* blade = std::get_if<CutBlade>(&event.what);
     if (!blade || !blade->resistance) continue;
     const CutBlade::Resistance& resistance = *blade->resistance;
+    CuttingEdges::HasMaterial has_material;
+    if (blade->along_blade)
+      has_material = [this](Index e, const Vec3& at) {
+        return suture::has_material(parts(), e, at);
+      };
     contact.add_edge({blade->carried->obstacle, blade->carried->points,
                       element_values(resistance.toughness),
-                      resistance.stress * resistance.thickness});
+                      resistance.stress * resistance.thickness, std::move(has_material)});
   }
 }
 

@@ -146,6 +146,7 @@ class Contact final : public ContactLaw {
     if (edges_) edges_->forget_places();
   }
   void change_sleepers(const LiveMask& moving) override;
+  void edge_divided(std::size_t edge, Index first) override { edges_->divided(edge, first); }
   std::vector<Index> near_moving_obstacles(double time, double dt) const override;
   void for_each_pushed_sleeper(const VisitPushed& visit) const override;
   std::vector<Press> presses() const override;

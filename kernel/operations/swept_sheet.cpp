@@ -13,7 +13,9 @@ namespace suture {
 namespace {
 
 // The distances between points of the edge, and between rows of the sheet; in elements.
-constexpr double between_points = 0.5, between_rows = 0.5;
+constexpr double between_points = 0.5, between_rows = 0.25;
+// How many rows are waited for before the body is cut along them.
+constexpr std::size_t rows_per_cut = 2;
 // Corners of an element that a row crosses, and of its neighbours, are so near, in elements; and
 // points of a row that are near each other.
 constexpr double seen_within = 3;
@@ -92,6 +94,10 @@ bool SweptSheet::find_shifts(const Row& row) {
   return true;
 }
 
+int SweptSheet::rows_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
+  return static_cast<int>(std::clamp(std::ceil(way(from, to) / (between_rows * size_)), 1.0, 1e6));
+}
+
 SweptSheet::Row SweptSheet::at_rest(Row row) const {
   for (std::size_t i = 0; i < row.points.size(); ++i)
     row.points[i] = plus(row.points[i], shifts_[i]);
@@ -110,8 +116,10 @@ bool SweptSheet::advance(const std::vector<Vec3>& points, double time, bool is_l
   approach_.clear();
   const Row traced = at_rest(now);
   const double least = is_last ? 0 : between_rows * size_;
-  if (!rows_.empty() && way(rows_.back().points, traced.points) <= least) return false;
-  if (turns_back(traced)) {  // another stroke
+  if (!rows_.empty() && way(rows_.back().points, traced.points) <= least)
+    return is_last && new_rows_ > 0;
+  if (turns_back(traced)) {  // another stroke, once the body is cut along this one
+    if (new_rows_ > 0) return true;
     rows_.erase(rows_.begin(), rows_.end() - 1);
     ++stroke_;
   }
@@ -122,7 +130,7 @@ bool SweptSheet::advance(const std::vector<Vec3>& points, double time, bool is_l
     new_rows_ = 0;
     ++stroke_;
   }
-  return rows_.size() > 1;
+  return rows_.size() > 1 && (is_last || new_rows_ >= rows_per_cut);
 }
 
 /// It comes nearer, or goes elsewhere.

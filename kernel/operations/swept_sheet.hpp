@@ -14,7 +14,7 @@
 //   tissue now                       tissue at rest
 //
 //      |  /                             | | | | |
-//      | /  edge at t      ------>      +-+-+-+-+  rows of the sheet: the edge at each half
+//      | /  edge at t      ------>      +-+-+-+-+  rows of the sheet: the edge at each quarter
 //      |/                               | | | | |  of an element
 //
 // Each place of the edge is traced back to where its tissue is at rest. What it has swept there is
@@ -37,6 +37,10 @@ class SweptSheet final : public Blade {
   /// to do: it has advanced by half an element, or `is_last`. 1 ns per vertex
   /// and 1 us per point of the edge.
   bool advance(const std::vector<Vec3>& points, double time, bool is_last);
+  /// Of the last call, s.
+  double time() const { return time_; }
+  /// How often it must be called for an edge that moves so far: at least once.
+  int rows_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
   /// Call after each cut along this, before elements are divided, with its heights.
   void keep(const std::vector<double>& heights, std::span<const Index> divided);
   void follow(const TopologyChange& change);

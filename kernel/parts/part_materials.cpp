@@ -5,7 +5,35 @@
 
 #include "kernel/geometry/surface.hpp"
 
+#include "kernel/parts/moments.hpp"
+
 namespace suture {
+namespace {
+
+// A place this far outside a tetrahedron is in it; as six times a volume in the reference cube.
+constexpr double rounding = 1e-9;
+
+bool contains(const std::array<Vec3, 4>& corners, const Vec3& at) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::array<Vec3, 4> beside = corners;
+    beside[i] = at;
+    if (six_volumes(beside) < -rounding) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool has_material(const Parts& parts, Index element, const Vec3& at) {
+  const std::size_t place = position_in(parts.elements, element);
+  if (place == parts.elements.size()) return true;
+  const auto at_point = [&](Index p) { return parts.points[p].at; };
+  for (Index t = parts.first[place]; t < parts.first[place + 1]; ++t) {
+    const auto& [a, b, c, d] = parts.tetrahedra[t];
+    if (contains({at_point(a), at_point(b), at_point(c), at_point(d)}, at)) return true;
+  }
+  return false;
+}
 
 void PartMaterials::find_surface(std::span<const Index> elements, Index element_count) {
   if (parts_.triangles.empty()) return;

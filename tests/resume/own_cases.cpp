@@ -160,6 +160,8 @@ Case along(Random& random, unsigned, std::uint64_t) {
         {{"cut",
           {{"blade", {{"obstacle", "knife"}, {"points", {{0.6, 0.3, -1}, {0.61, 0.3, 1}}}}},
            {"along", "blade"}}}});
+    if (!scene["solver"].contains("sleep") && random.chance(0.5))
+      scene["events"].back()["cut"]["blade"]["resistance"] = {{"toughness", random.between(1, 50)}};
   }
   add_output(scene, random);
   scene["output"]["surface"] = random.chance(0.5);

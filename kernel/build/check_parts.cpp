@@ -2,7 +2,6 @@
 #include "kernel/build/check_parts.hpp"
 
 #include "kernel/base/error.hpp"
-#include "kernel/dynamics/integrator.hpp"
 
 namespace suture {
 namespace {
@@ -29,14 +28,13 @@ class PartsCheck {
                 or_instead());
     for (const Event& event : scene.events) check(event);
   }
-  /// Lips and pieces that are embedded touch by impulses.
+  /// Lips and pieces that are embedded wake nothing.
   void check_pieces(const Scene& scene) {
-    const std::string needs =
-        "needs explicit steps without sleep where the surface lies inside of elements; ";
-    if (is_implicit(scene.solver.integrator))
-      add("/contact/pieces", needs + "use \"symplectic-euler\" or \"velocity-verlet\"");
     if (scene.solver.sleep_acceleration > 0)
-      add("/contact/pieces", needs + "remove \"sleep\" in /solver");
+      add("/contact/pieces",
+          "needs a run without sleep where the surface lies inside of elements; remove \"sleep\" "
+          "in "
+          "/solver");
   }
   void check(const Event& event) {
     if (std::holds_alternative<SewFaces>(event.what)) refuse(event.path + "/suture", "remove it,");

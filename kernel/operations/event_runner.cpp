@@ -18,31 +18,6 @@
 #include "kernel/operations/swept_sheet.hpp"
 
 namespace suture {
-EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
-  faces_cut += other.faces_cut;
-  faces_torn += other.faces_torn;
-  faces_sewn += other.faces_sewn;
-  elements_removed += other.elements_removed;
-  elements_cut += other.elements_cut;
-  nodes_held += other.nodes_held;
-  nodes_released += other.nodes_released;
-  return *this;
-}
-
-std::string EventOutcome::text() const {
-  std::string text;
-  const auto add = [&](const char* verb, Index n, const char* what) {
-    if (n > 0) text += (text.empty() ? "" : ", ") + std::string(verb) + count_text(n, what);
-  };
-  add("cut ", elements_cut, "element");
-  add("cut ", faces_cut, "face");
-  add("tore ", faces_torn, "face");
-  add("sewed ", faces_sewn, "face");
-  add("removed ", elements_removed, "element");
-  add("grasped ", nodes_held, "node");
-  add("released ", nodes_released, "node");
-  return text;
-}
 
 // ------------------------------------------------------------ operations --
 
@@ -100,6 +75,7 @@ struct EventRunner::Call {
 
   EventOutcome cut_along_blade(const Blade& blade) const;
   EventOutcome cut_along_sheet() const;
+  EventOutcome cut_to(const std::vector<Vec3>& edge, double at, bool is_last) const;
   EventOutcome divide(const BladeCut& cut) const;
 
   EventOutcome operator()(const CutSurface&) const {
@@ -205,21 +181,47 @@ struct EventRunner::Call {
 EventOutcome EventRunner::Call::cut_along_blade(const Blade& blade) const {
   const BladeCut cut =
       cut_along(built.body().complex(), built.parts(), shape(), blade, event.path + "/cut/along");
-  if (cut.empty()) warn_once(" cut no element: the blade misses the body" + or_is_cut());
+  if (cut.empty())
+    warn_once(
+        " cut no element: the blade misses the body, only touches it, or holds no "
+        "whole section of an element" +
+        or_is_cut());
   return divide(cut);
 }
 
-/// What a moving blade has swept is known at rest.
+/// In a step, a blade may go through the whole body.
 EventOutcome EventRunner::Call::cut_along_sheet() const {
   const MovingBlade& blade = *state.blade;
-  if (time < blade.begin() || !state.sheet->advance(blade.at(time), time, time >= blade.end()))
-    return {};
+  EventOutcome outcome;
+  if (time < blade.begin()) return outcome;
+  const double from = std::clamp(state.sheet->time(), blade.begin(), time),
+               to = std::max(from, std::min(time, blade.end()));
+  const int parts = state.sheet->rows_between(blade.at(from), blade.at(to));
+  const auto add = [&](const EventOutcome& cut) {
+    outcome += cut;
+    outcome.faces.insert(outcome.faces.end(), cut.faces.begin(), cut.faces.end());
+  };
+  for (int i = 1; i < parts; ++i) {
+    const double at = from + (to - from) * i / parts;
+    add(cut_to(blade.at(at), at, false));
+  }
+  add(cut_to(blade.at(to), time, time >= blade.end()));
+  return outcome;
+}
+
+/// What a moving blade has swept is known at rest.
+EventOutcome EventRunner::Call::cut_to(const std::vector<Vec3>& edge, double at,
+                                       bool is_last) const {
+  if (!state.sheet->advance(edge, at, is_last)) return {};
   const BladeCut cut =
       cut_along(built.body().complex(), built.parts(), built.body().attributes().rest().rows(),
                 *state.sheet, event.path + "/cut/along", 4, state.sheet->ties());
   state.sheet->keep(cut.heights, cut.cloning.origins);
   state.sheet->ties() = cut.ties;
-  return divide(cut);
+  const Index first_copy = built.body().complex().element_count();
+  EventOutcome outcome = divide(cut);
+  if (state.edge) built.body().contact()->edge_divided(*state.edge, first_copy);
+  return outcome;
 }
 
 EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
@@ -311,7 +313,12 @@ EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
 
 EventRunner::EventRunner(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
     : scene_(scene), built_(built), diagnostics_(diagnostics), removals_(scene, built) {
-  for (const Event& event : scene.events) states_.push_back(prepare(event));
+  std::size_t edges = 0;
+  for (const Event& event : scene.events) {
+    states_.push_back(prepare(event));
+    const auto* blade = std::get_if<CutBlade>(&event.what);
+    if (blade && blade->resistance) states_.back().edge = edges++;
+  }
   built.body().add_follower(*this);
 }
 
@@ -451,9 +458,14 @@ void EventRunner::finish() {
     std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
     if (event.when) text += ": its condition was never met";
     if (states_[i].blade) {
-      text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
-                                         Places{built_.body().attributes().position().rows()},
-                                         built_.frame().origin);
+      const Box& blade = states_[i].blade->box();
+      const Places places{built_.body().attributes().position().rows()};
+      const CellComplex& complex = built_.body().complex();
+      const Vec3& origin = built_.frame().origin;
+      text +=
+          ": " + (states_[i].sheet ? why_nothing_was_cut(blade, complex, places, origin,
+                                                         "it sweeps no whole section of an element")
+                                   : why_nothing_was_cut(blade, complex, places, origin));
     }
     diagnostics_.warn(text);
   }
@@ -473,12 +485,6 @@ std::vector<BladeShape> EventRunner::blades(double time) const {
       shapes.push_back({number, surface->points, surface->triangles});
   }
   return shapes;
-}
-
-void OpenedFace::state(Archive& archive) {
-  archive("side", side);
-  archive("event", event);
-  archive("time", time);
 }
 
 void EventRunner::state(Archive& archive) {

@@ -84,6 +84,7 @@ class EventRunner : private Follower {
     std::unique_ptr<SurfacePatch> patch;  ///< instead, if the cut is along it
     std::unique_ptr<MovingBlade> blade;
     std::unique_ptr<SweptSheet> sheet;  ///< of the blade, if the cut is along it
+    std::optional<std::size_t> edge{};  ///< of the blade, if tissue resists it
     bool has_fired = false, had_effect = false;
     double last = 0;  ///< s, when it last fired
     bool reported_misfits = false;

@@ -11,6 +11,7 @@
 
 #include "kernel/base/types.hpp"
 #include "kernel/dynamics/motion_path.hpp"
+#include "kernel/dynamics/step_budget.hpp"
 #include "kernel/forces/time_ramp.hpp"
 #include "kernel/geometry/obstacle.hpp"
 #include "kernel/images/label_image.hpp"
@@ -99,17 +100,19 @@ struct SolverOptions {
   std::optional<double> step_error;
   std::optional<double> end;  ///< s
   bool until_rest = false;
-  double tolerance = 1e-6;         ///< of the residual, for rest
-  double step_tolerance = 1e-8;    ///< of the equations of a step, for implicit integrators
-  bool hold_free_pieces = false;   ///< static equilibria: by inertia relief; false: refuse them
-  bool follow_path = false;        ///< static equilibria: through limit points
-  double kick = 0;                 ///< m, along an unstable mode at rest; 0: none
-  std::uint64_t max_steps = 0;     ///< 0: no limit, except for rest (10 million)
-  double damping = 0;              ///< 1/s, mass-proportional: f = -damping m v
-  bool automatic_damping = false;  ///< with until_rest
-  unsigned threads = 0;            ///< 0: as many as are useful
-  double sleep_acceleration = 0;   ///< m/s^2; 0: no island sleeps
-  double sleep_velocity = 0;       ///< m/s
+  double tolerance = 1e-6;           ///< of the residual, for rest
+  double step_tolerance = 1e-8;      ///< of the equations of a step, for implicit integrators
+  std::optional<double> softness;    ///< of "xpbd", for "auto"
+  std::optional<StepBudget> budget;  ///< of a step, for implicit Euler
+  bool hold_free_pieces = false;     ///< static equilibria: by inertia relief; false: refuse them
+  bool follow_path = false;          ///< static equilibria: through limit points
+  double kick = 0;                   ///< m, along an unstable mode at rest; 0: none
+  std::uint64_t max_steps = 0;       ///< 0: no limit, except for rest (10 million)
+  double damping = 0;                ///< 1/s, mass-proportional: f = -damping m v
+  bool automatic_damping = false;    ///< with until_rest
+  unsigned threads = 0;              ///< 0: as many as are useful
+  double sleep_acceleration = 0;     ///< m/s^2; 0: no island sleeps
+  double sleep_velocity = 0;         ///< m/s
   OnInversion on_inversion = OnInversion::by_model;
 };
 

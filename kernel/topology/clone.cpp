@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/sort_unique.hpp"
@@ -105,7 +106,14 @@ std::string CellComplex::why_no_cloning(const Cloning& cloning) const {
       return "element " + std::to_string(e) + " does not exist; only an existing one can be copied";
   if (!std::ranges::is_sorted(origins)) return "the elements to copy are not in ascending order";
   const Origins cloned(origins, element_count());
-  std::vector<Dart> sides;
+  std::vector<std::uint8_t> listed(cloned.count_with_copies());  // by element, a bit per face
+  const auto list = [&](Dart d) {
+    const auto bit = static_cast<std::uint8_t>(1u << d % 24 / 4);
+    return (std::exchange(listed[d / 24], listed[d / 24] | bit) & bit) == 0;
+  };
+  const auto twice = [](Dart d) {
+    return "the face of dart " + std::to_string(d & ~3u) + " is listed twice";
+  };
   for (const Seam& seam : cloning.seams) {
     const auto may_join = [&](Dart d) {
       return d / 24 < cloned.count_with_copies() &&
@@ -115,31 +123,29 @@ std::string CellComplex::why_no_cloning(const Cloning& cloning) const {
         (seam.one / 24 < element_count() && seam.other / 24 < element_count()) ||
         beta3(cloned.origin(seam.one)) != cloned.origin(seam.other))
       return seam_text(seam) + " join faces that are not joined before the copies are made";
-    sides.insert(sides.end(), {seam.one & ~3u, seam.other & ~3u});
+    for (const Dart d : {seam.one, seam.other})
+      if (!list(d)) return twice(d);
   }
   for (const Dart d : cloning.cut) {
     if (!can_cut(d) || cloned.contains(d / 24) || cloned.contains(beta3(d) / 24))
       return "dart " + std::to_string(d) + " is not on a face between two elements that stay";
-    sides.insert(sides.end(), {d & ~3u, beta3(d) & ~3u});
+    for (const Dart side : {d, beta3(d)})
+      if (!list(side)) return twice(side);
   }
-  std::ranges::sort(sides);
-  const auto twice = std::ranges::adjacent_find(sides);
-  if (twice == sides.end()) return {};
-  return "the face of dart " + std::to_string(*twice) + " is listed twice";
+  return {};
 }
 
 template <int Dimension>
 CellComplex::ClonedStars CellComplex::stars_of_clones(const Cloning& cloning) const {
   ClonedStars stars;
   const Origins cloned(cloning.origins, element_count());
-  const auto add_cells = [&](Dart first, Dart end) {
-    for (Dart d = first; d < end; ++d) stars.cells.push_back(cell(Dimension, d));
-  };
-  for (std::size_t i = 0; i < cloning.origins.size(); ++i)
-    if (i == 0 || cloning.origins[i] != cloning.origins[i - 1])
-      add_cells(24 * cloning.origins[i], 24 * cloning.origins[i] + 24);
-  for (const Dart d : cloning.cut) add_cells(d & ~3u, (d & ~3u) + 4);
-  sort_unique(stars.cells);
+  std::vector<std::uint64_t> marks(count(Dimension) / std::size_t{64} + 1);
+  for (const Index e : cloning.origins)
+    for (LocalCell i = 0; i < cells<Dimension>; ++i)
+      mark(marks, cell(Dimension, dart_at<Dimension>(e << 4 | i)));
+  for (const Dart d : cloning.cut)
+    for (Dart side = d & ~3u; side < (d & ~3u) + 4; ++side) mark(marks, cell(Dimension, side));
+  stars.cells = marked(marks);
   std::vector<Dart> star;
   for (const Index cell : stars.cells) {
     collect_star<Dimension>(first_dart_[Dimension][cell], star);

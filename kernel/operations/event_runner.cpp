@@ -213,15 +213,13 @@ EventOutcome EventRunner::Call::cut_along_sheet() const {
   const double from = std::clamp(state.sheet->time(), blade.begin(), time),
                to = std::max(from, std::min(time, blade.end()));
   const int parts = state.sheet->rows_between(blade.at(from), blade.at(to));
-  const auto add = [&](const EventOutcome& cut) {
+  for (int i = 1; i <= parts; ++i) {
+    const double at = i < parts ? from + (to - from) * i / parts : time;
+    const EventOutcome cut =
+        cut_to(blade.at(std::min(at, to)), at, i == parts && time >= blade.end());
     outcome += cut;
     outcome.faces.insert(outcome.faces.end(), cut.faces.begin(), cut.faces.end());
-  };
-  for (int i = 1; i < parts; ++i) {
-    const double at = from + (to - from) * i / parts;
-    add(cut_to(blade.at(at), at, false));
   }
-  add(cut_to(blade.at(to), time, time >= blade.end()));
   return outcome;
 }
 
@@ -497,14 +495,9 @@ void EventRunner::finish() {
     std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
     if (event.when) text += ": its condition was never met";
     if (states_[i].blade) {
-      const Box& blade = states_[i].blade->box();
-      const Places places{built_.body().attributes().position().rows()};
-      const CellComplex& complex = built_.body().complex();
-      const Vec3& origin = built_.frame().origin;
-      text +=
-          ": " + (states_[i].sheet ? why_nothing_was_cut(blade, complex, places, origin,
-                                                         "it sweeps no whole section of an element")
-                                   : why_nothing_was_cut(blade, complex, places, origin));
+      text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
+                                         Places{built_.body().attributes().position().rows()},
+                                         built_.frame().origin, states_[i].sheet != nullptr);
     }
     diagnostics_.warn(text);
   }

@@ -351,6 +351,8 @@ void CuttingEdges::follow(const TopologyChange& change) {
       edges_[i].toughness.push_back(double{edges_[i].toughness[copy.old_cell]});
       is_divided_[i].push_back(std::uint8_t{is_divided_[i][copy.old_cell]});
     }
+  for (std::vector<std::uint8_t>& is_divided : is_divided_)
+    for (const Split& sewn : change.absorbed) is_divided[sewn.new_cell] = 0;
   std::erase_if(passed_, [&](const Passed& p) { return !complex_.exists(3, p.element); });
   if (change.faces_sewn == 0 && change.removed[3].empty()) return;
   finder_.follow(change);

@@ -25,9 +25,8 @@ constexpr unsigned max_updates = 50;  // of constraints
 // A part of the forces: what a predicted equilibrium may leave of them, where motions are
 // prescribed. What a cut releases is less than what the first iteration of a motion leaves.
 constexpr double good_prediction = 1;
-// Forcing terms of the linear solves. Where an iteration has not helped, rotations have left forces
-// in stiff directions, which a few linear iterations remove.
-constexpr double first_forcing = 0.1, least_forcing = 1e-3, most_forcing = 0.5;
+// Forcing terms of the linear solves.
+constexpr double first_forcing = 0.1, least_forcing = 1e-3;
 // The order of convergence that they allow. With 2, systems are solved more accurately than they
 // describe the next state: rotations leave more.
 constexpr double forcing_order = 1.3;
@@ -363,7 +362,7 @@ double Newton::forcing(const Progress& progress) const {
     return enough < within_reach ? first_forcing : std::min(enough, first_forcing);
   const double gain = progress.residual / progress.last;
   return std::clamp(std::max(0.9 * std::pow(gain, forcing_order), enough), least_forcing,
-                    most_forcing);
+                    first_forcing);
 }
 
 Newton::TangentCheck Newton::check_tangent(double time) {

@@ -183,6 +183,7 @@ RecordingWriter::RecordingWriter(std::filesystem::path file, const Scene& scene,
                                  Simulation& simulation, const std::filesystem::path& checkpoint)
     : path_(file.empty() ? free_name("", scene, "recording", ".jsonl") : std::move(file)),
       first_step_(simulation.step()) {
+  Folder::open(path_.parent_path());  // rather than fail at the first input
   Lines header{{"recording", version},
                {"program", "suture " SUTURE_VERSION},
                {"isa", std::string(simulation.isa())},

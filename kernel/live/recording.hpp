@@ -61,7 +61,8 @@ std::string state_hash(Simulation& simulation);
 std::filesystem::path free_name(const std::filesystem::path& folder, const Scene& scene,
                                 const std::string& what, const std::string& ending);
 
-/// Writes a recording, each input at once. The file is created by the first input. Throws IoError.
+/// Writes a recording, each input at once. The file is created by the first input, in a folder that
+/// exists. Throws IoError.
 class RecordingWriter {
  public:
   /// `file`: "" for a name made from that of the scene, which no file has yet. `checkpoint`: the

@@ -338,7 +338,8 @@ class Cutter {
     }
   }
 
-  /// Of the pieces from `first` to before `last` that became a copy; the first is one of them.
+  /// Together, the pieces from `first` to before `last` that became a copy; the first is one of
+  /// them.
   PartMoments moments_of(Index copy, Index first, Index last) const {
     if (std::count(&copy_of_[first], &copy_of_[first] + (last - first), copy) == 1)
       return pieces_[first].part.moments;

@@ -15,10 +15,11 @@
 #include "kernel/operations/match_faces.hpp"
 #include "kernel/operations/pierce_path.hpp"
 #include "kernel/operations/plane_patch.hpp"
+#include "kernel/operations/reunite.hpp"
+#include "kernel/operations/sew_embedded.hpp"
 #include "kernel/operations/swept_sheet.hpp"
 
 namespace suture {
-
 // ------------------------------------------------------------ operations --
 
 /// One operation on its way: everything it needs, and an overload per kind.
@@ -54,7 +55,19 @@ struct EventRunner::Call {
       if (!runner.scene_.output.cuts) continue;
       for (const Dart d : {side, other}) runner.opened_.push_back({d, number, time});
     }
+    if (built.is_embedded()) open_sides(faces);
     return built.body().cut(faces).faces_cut;
+  }
+  /// Both sides of each belong to the cut.
+  void open_sides(const std::vector<Dart>& faces) const {
+    for (const Dart side : faces)
+      for (const Dart d : {side, built.body().complex().beta3(side)})
+        built.embedded_parts().open(d, cut_number());
+  }
+  /// Those of events that are not part of the scene follow.
+  Index cut_number() const {
+    return number != none ? number
+                          : static_cast<Index>(runner.scene_.events.size() + runner.applied_);
   }
   EventOutcome cut(const std::vector<Dart>& faces) const {
     if (faces.empty()) warn_once(" cut no face: the blade misses the body" + or_is_cut());
@@ -145,9 +158,11 @@ struct EventRunner::Call {
 
   EventOutcome operator()(const SewFaces& sew) const {
     EventOutcome outcome;
+    if (built.is_embedded()) outcome.elements_sewn = sew_divided(sew);
     const std::vector<Seam> seams = seams_of(sew);
     if (seams.empty()) {
-      if (!state.reported_misfits) warn_once(" sewed no face: " + why_none(sew));
+      if (!state.reported_misfits && !outcome.changed())
+        warn_once(" sewed no face: " + why_none(sew));
       return outcome;
     }
     const TopologyChange change = built.body().sew(seams);
@@ -157,6 +172,7 @@ struct EventRunner::Call {
     return outcome;
   }
 
+  Index sew_divided(const SewFaces& sew) const;
   std::vector<Seam> seams_of(const SewFaces& sew) const;
 
   std::vector<Seam> without_misfits(MatchedSeams matched) const;
@@ -197,15 +213,13 @@ EventOutcome EventRunner::Call::cut_along_sheet() const {
   const double from = std::clamp(state.sheet->time(), blade.begin(), time),
                to = std::max(from, std::min(time, blade.end()));
   const int parts = state.sheet->rows_between(blade.at(from), blade.at(to));
-  const auto add = [&](const EventOutcome& cut) {
+  for (int i = 1; i <= parts; ++i) {
+    const double at = i < parts ? from + (to - from) * i / parts : time;
+    const EventOutcome cut =
+        cut_to(blade.at(std::min(at, to)), at, i == parts && time >= blade.end());
     outcome += cut;
     outcome.faces.insert(outcome.faces.end(), cut.faces.begin(), cut.faces.end());
-  };
-  for (int i = 1; i < parts; ++i) {
-    const double at = from + (to - from) * i / parts;
-    add(cut_to(blade.at(at), at, false));
   }
-  add(cut_to(blade.at(to), time, time >= blade.end()));
   return outcome;
 }
 
@@ -231,16 +245,37 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
   outcome.elements_cut = cut.divided;
   for (const Dart side : cut.cloning.cut)
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
-  built.body().clone_volume(cut.cloning, cut.parts,
-                            [&] { built.embedded_parts().append(cut.parts, cut.cloning.origins); });
+  open_sides(cut.cloning.cut);
+  built.body().clone_volume(cut.cloning, cut.parts, [&] {
+    built.embedded_parts().append(cut.parts, cut.cloning.origins, cut_number());
+  });
   if (!cut.seams.empty()) built.body().sew(cut.seams);
   return outcome;
+}
+
+/// Elements that blades have divided become one again, where both sides are selected.
+Index EventRunner::Call::sew_divided(const SewFaces& sew) const {
+  if (!sew.element_pairs.empty()) return 0;  // of elements that are whole
+  Body& body = built.body();
+  const std::vector<std::vector<Index>> groups = EmbeddedSewing(sew, built).groups();
+  if (groups.empty()) return 0;
+  const Reunion reunion = reunite(body.complex(), built.parts(), body.user_vertex(), groups);
+  body.clone_volume(reunion.cloning, reunion.parts, [&] {
+    built.embedded_parts().close(reunion.joined);
+    built.embedded_parts().append(reunion.parts, reunion.cloning.origins);
+  });
+  SeamBatch batch(body.complex());
+  for (const Seam& seam : reunion.seams) batch.add(seam, naming());
+  if (!batch.seams().empty()) body.sew(batch.seams());
+  return static_cast<Index>(groups.size());
 }
 
 std::vector<Seam> EventRunner::Call::seams_of(const SewFaces& sew) const {
   const CellComplex& complex = built.body().complex();
   const double* rows = built.body().attributes().position().rows();
   const auto selected = [&](const Selection& s) { return built.selector().elements_now(s, rows); };
+  if (built.is_embedded() && sew.element_pairs.empty())
+    return without_misfits(EmbeddedSewing(sew, built).seams(naming()));
   if (sew.between) {
     return without_misfits(seams_within_gap(complex, rows, selected((*sew.between)[0]),
                                             selected((*sew.between)[1]), sew.gap, naming()));
@@ -433,7 +468,9 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
         event.path +
         "/cut: a moving blade cannot be applied at one instant; add it to the scene as an event");
   State state = prepare(event);
-  return std::visit(Call{*this, event, none, time, state}, event.what);
+  const EventOutcome outcome = std::visit(Call{*this, event, none, time, state}, event.what);
+  ++applied_;
+  return outcome;
 }
 
 // A blade knows where the tissue was at its last step.
@@ -458,33 +495,12 @@ void EventRunner::finish() {
     std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
     if (event.when) text += ": its condition was never met";
     if (states_[i].blade) {
-      const Box& blade = states_[i].blade->box();
-      const Places places{built_.body().attributes().position().rows()};
-      const CellComplex& complex = built_.body().complex();
-      const Vec3& origin = built_.frame().origin;
-      text +=
-          ": " + (states_[i].sheet ? why_nothing_was_cut(blade, complex, places, origin,
-                                                         "it sweeps no whole section of an element")
-                                   : why_nothing_was_cut(blade, complex, places, origin));
+      text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
+                                         Places{built_.body().attributes().position().rows()},
+                                         built_.frame().origin, states_[i].sheet != nullptr);
     }
     diagnostics_.warn(text);
   }
-}
-
-std::vector<BladeShape> EventRunner::blades(double time) const {
-  std::vector<BladeShape> shapes;
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    const State& state = states_[i];
-    const auto number = static_cast<std::uint32_t>(i);
-    if (state.blade && state.blade->begin() <= time && time <= state.blade->end())
-      shapes.push_back({number, state.blade->at(time), {}});
-    const TriangleSurface* surface = state.surface ? &state.surface->surface()
-                                     : state.patch ? &state.patch->surface()
-                                                   : nullptr;
-    if (surface && (!state.has_fired || state.last >= time || scene_.events[i].every > 0))
-      shapes.push_back({number, surface->points, surface->triangles});
-  }
-  return shapes;
 }
 
 void EventRunner::state(Archive& archive) {
@@ -500,6 +516,7 @@ void EventRunner::state(Archive& archive) {
   });
   archive("removals", removals_);
   archive.each("opened", opened_);
+  archive("applied", applied_);
 }
 
 }  // namespace suture

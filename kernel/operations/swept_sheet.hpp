@@ -37,7 +37,7 @@ class SweptSheet final : public Blade {
   /// to do: it has advanced by half an element, or `is_last`. 1 ns per vertex
   /// and 1 us per point of the edge.
   bool advance(const std::vector<Vec3>& points, double time, bool is_last);
-  /// Of the last call, s.
+  /// When advance() was last called, s.
   double time() const { return time_; }
   /// How often it must be called for an edge that moves so far: at least once.
   int rows_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;

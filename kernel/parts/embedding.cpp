@@ -138,10 +138,18 @@ class EmbeddingBuilder {
     if (added_[p] == none) added_[p] = welding_.add(parts_.points[p]);
     return added_[p];
   }
-  void add_triangle(Index element, const std::array<Index, 3>& corners, bool is_laid_open) {
+  void add_triangle(Index element, const std::array<Index, 3>& corners, bool is_laid_open,
+                    std::size_t source) {
     out_.triangles.push_back(corners);
     out_.triangle_element.push_back(element);
     out_.is_laid_open.push_back(is_laid_open ? 1 : 0);
+    out_.triangle_source.push_back(static_cast<Index>(source));
+  }
+  /// On a side of an element.
+  void add_triangle(Index element, const std::array<Index, 3>& corners, CubeSide side) {
+    add_triangle(
+        element, corners, is_laid_open(element, side),
+        parts_.triangles.size() + 6 * std::size_t{element} + static_cast<std::size_t>(side.face()));
   }
 
   /// Adds a triangle of the parts. Those on an open side of their element come with the others
@@ -153,7 +161,7 @@ class EmbeddingBuilder {
     const unsigned on = sides(a) & sides(b) & sides(c);
     if (on != 0 && (on & open_sides(element)) != 0) return;
     add_triangle(element, {point(a), point(b), point(c)},
-                 !parts_.is_cut.empty() && parts_.is_cut[t] != 0);
+                 !parts_.is_cut.empty() && parts_.is_cut[t] != 0, t);
   }
   unsigned sides(Index p) const { return sides_at(parts_.points[p].at); }
 
@@ -175,7 +183,7 @@ class EmbeddingBuilder {
       for (const auto& [a, b, c] : tetrahedron_faces)
         if ((at[a] & at[b] & at[c] & open) >> i & 1)
           add_triangle(element, {point(corners[a]), point(corners[b]), point(corners[c])},
-                       is_laid_open(element, cube_sides[i]));
+                       cube_sides[i]);
   }
   /// Those of a full element.
   void add_open_faces(Index element) {
@@ -184,9 +192,8 @@ class EmbeddingBuilder {
       if ((open >> i & 1) == 0) continue;
       std::array<Index, 4> q = corners_of(cube_sides[i]);
       for (Index& corner : q) corner = welding_.add(complex_.vertices_of(element)[corner]);
-      const bool is_new = is_laid_open(element, cube_sides[i]);
-      add_triangle(element, {q[0], q[1], q[2]}, is_new);
-      add_triangle(element, {q[0], q[2], q[3]}, is_new);
+      add_triangle(element, {q[0], q[1], q[2]}, cube_sides[i]);
+      add_triangle(element, {q[0], q[2], q[3]}, cube_sides[i]);
     }
   }
   bool is_laid_open(Index element, CubeSide side) const {

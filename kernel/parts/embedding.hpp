@@ -48,6 +48,8 @@ struct Embedding {
   std::vector<std::array<Index, 3>> triangles;
   std::vector<Index> triangle_element;
   std::vector<std::uint8_t> is_laid_open;  ///< by triangle
+  /// By triangle: its number in the parts, or, behind these, 6 e + f on side f of element e.
+  std::vector<Index> triangle_source;
 
   Embedding() = default;
   Embedding(const Parts& parts, const CellComplex& complex);

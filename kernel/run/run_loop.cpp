@@ -156,7 +156,7 @@ void RunLoop::report_sleep(Observer& observer) {
 }
 
 EventOutcome RunLoop::apply(const Event& event, Observer& observer) {
-  check_parts(event, built_.parts(), built_.body().attributes().parts().may_grow());
+  check_parts(event, built_.body().attributes().parts().may_grow());
   const EventOutcome outcome = events_.apply(in_frame(event, built_.frame()), clock_.time());
   take_over(outcome);
   if (outcome.changed())

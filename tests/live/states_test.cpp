@@ -232,6 +232,12 @@ TEST(KeptStates, AreBoundedAndOrdered) {
   EXPECT_THROW(kept.take_last_action(), InputError);
 }
 
+TEST_F(GoesBack, NeedsAFolderForItsRecordingFromTheStart) {
+  stop();
+  Simulation simulation(scene_, host(), diagnostics_);
+  EXPECT_THROW(RecordingWriter(folder_ / "none" / "r.jsonl", scene_, simulation), IoError);
+}
+
 TEST(Recordings, GoBackToWhatTheyHave) {
   const TemporaryFolder folder;
   const std::string header =

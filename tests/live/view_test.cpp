@@ -169,25 +169,26 @@ TEST_F(View, CutsAlongBladesWithoutAnEventThatDoes) {
   expect_same_bits(second);
 }
 
-constexpr const char* sewn_bar = R"({
+constexpr const char* sleeping_bar = R"({
   "suture": 1,
   "mesh": {"box": {"size": [1, 0.2, 0.2], "cells": [10, 3, 3]}},
   "models": [{"model": "tm-faure", "parameters": {"E": 4e5, "nu": 0.3, "rho": 1000}}],
   "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
-  "solver": {"end": 100},
-  "events": [{"at": 100, "suture": {}}]
+  "contact": {"pieces": true},
+  "solver": {"end": 100, "sleep": {"acceleration": 1e-9, "velocity": 1e-9}}
 })";
 
-class Sewn : public View {
+class Sleeping : public View {
  protected:
-  Sewn() : View(sewn_bar) {}
+  Sleeping() : View(sleeping_bar) {}
 };
 
-TEST_F(Sewn, CannotBeCutAlongABlade) {
+TEST_F(Sleeping, CannotBeCutAlongABlade) {
   step(10);
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.31,0,0],"normal":[1,0,0]}}}})");
-  EXPECT_THAT(page.until("error")["error"], HasSubstr("/events/0/suture: acts on whole faces"));
+  EXPECT_THAT(page.until("error")["error"],
+              HasSubstr("/contact/pieces: needs a run without sleep"));
   page.send(R"({"do":"apply","event":{"cut":{"plane":{"point":[0.31,0,0],"normal":[1,0,0]}}}})");
   while (page.until("message")["message"].get<std::string>().find("2 islands") == std::string::npos)
     continue;

@@ -132,6 +132,8 @@ Case along(Random& random, unsigned, std::uint64_t) {
     scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"cut", cut}});
   }
   if (random.chance(0.4))
+    scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"suture", Json::object()}});
+  if (random.chance(0.4))
     scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"cut", across(0.4, random)}});
   if (random.chance(0.4))
     scene["events"].push_back(

@@ -107,7 +107,7 @@ function show_numbers(head) {
   $('#numbers').textContent = [
     `${live.greeting.title}, ${live.greeting.elements} elements`,
     `t = ${digits(head.time)} s, step ${head.step}${head.ended ? ', ended' : ''}`,
-    head.playing ? `${digits(head.steps_per_second, 3)} steps/s, ${digits(head.real_time, 3)} of real time` : 'paused',
+    head.playing ? `${Number(digits(head.steps_per_second, 3))} steps/s, ${digits(head.real_time, 3)} of real time` : 'paused',
     `balance ${digits(100 * head.balance, 2)} %`].join('\n');
   $('#legend').hidden = head.field === 'island';
   const unit = live.greeting.fields.find((field) => field.name === head.field)?.unit;

@@ -103,13 +103,15 @@ py::object embedded_surface(BuiltScene& built) {
   const Embedding& embedding = built.embedding();
   const std::size_t count = embedding.triangles.size(), points = embedding.points.size();
   Numbers triangles = table(count, 3), elements(static_cast<py::ssize_t>(count)),
-          vertices = table(points, 8);
+          cuts(static_cast<py::ssize_t>(count)), vertices = table(points, 8);
   py::array_t<bool> is_laid_open(static_cast<py::ssize_t>(count));
   py::array_t<double> weights({static_cast<py::ssize_t>(points), py::ssize_t{8}});
   for (std::size_t t = 0; t < count; ++t)
     std::ranges::copy(embedding.triangles[t], triangles.mutable_data() + 3 * t);
   std::ranges::copy(embedding.triangle_element, elements.mutable_data());
   std::ranges::copy(embedding.is_laid_open, is_laid_open.mutable_data());
+  std::ranges::transform(built.embedded_parts().cuts(built.body().complex()), cuts.mutable_data(),
+                         [](Index cut) { return cut == none ? -1 : std::int64_t{cut}; });
   for (std::size_t p = 0; p < points; ++p) {
     const Index first = embedding.points.first[p], end = embedding.points.first[p + 1];
     for (Index i = 0; i < 8; ++i) {
@@ -118,7 +120,7 @@ py::object embedded_surface(BuiltScene& built) {
       weights.mutable_data()[8 * p + i] = is_used ? embedding.points.weights[first + i] : 0;
     }
   }
-  return py::make_tuple(triangles, elements, is_laid_open, vertices, weights);
+  return py::make_tuple(triangles, elements, is_laid_open, cuts, vertices, weights);
 }
 
 py::array named(const BuiltScene& built, const std::vector<std::array<Index, 2>>& pairs) {

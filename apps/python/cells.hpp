@@ -27,8 +27,9 @@ py::tuple boundary(const BuiltScene& built);
 /// elements}, int64 and ascending. What was copied belongs to the sets of its origin.
 py::tuple sets(const BuiltScene& built);
 /// The surface of a body with partial elements: triangles (k, 3) int64 of points, the row of the
-/// element of each and whether a cut or a removal laid it open (k,), and of the points 8 vertices
-/// and their weights (n, 8), those that are not needed with the weight 0. None for other bodies.
+/// element of each, whether a cut or a removal laid it open and the number of the cut that did,
+/// else -1 (k,), and of the points 8 vertices and their weights (n, 8), those that are not needed
+/// with the weight 0. None for other bodies.
 py::object embedded_surface(BuiltScene& built);
 /// (k, 2) int64: pairs of elements by the user's numbers.
 py::array named(const BuiltScene& built, const std::vector<std::array<Index, 2>>& pairs);

@@ -19,6 +19,7 @@ struct BladeOptions {
   Index rows = 50;       ///< of 100 squares that make the blade, 200 triangles each
   Index moving = 50000;  ///< elements of the scene with the moving blade
   unsigned threads = 1;
+  int rounds = 5;  ///< of dividing planes
   double seconds = 0.5;
 };
 
@@ -141,6 +142,27 @@ void measure_moving(const BladeOptions& options, Report& report) {
   add("in the body", (cells[1] / 2 + 0.1) * edge, (cells[2] / 2) * edge);
 }
 
+/// us per element that a plane divides.
+struct DivisionTimes {
+  double elements, divided, find, change, surface;
+};
+
+DivisionTimes time_division(BenchBody& body, EmbeddedParts& parts, const PlaneBlade& blade,
+                            unsigned threads) {
+  const double start = now(threads);
+  const BladeCut cut =
+      cut_along(body.complex(), parts.parts(), body.attributes().position().rows(), blade, "");
+  const double found = now(threads);
+  body.body().clone_volume(cut.cloning, cut.parts, [] {});
+  const double changed = now(threads);
+  parts.append(cut.parts, cut.cloning.origins);
+  (void)parts.embedding(body.complex());
+  const double done = now(threads);
+  const double us = 1e6 / cut.divided;
+  return {static_cast<double>(body.complex().existing(3)), static_cast<double>(cut.divided),
+          us * (found - start), us * (changed - found), us * (done - changed)};
+}
+
 /// Oblique planes that divide the elements which they cross.
 void measure_divisions(const BladeOptions& options, Report& report) {
   PluginHost host;
@@ -149,32 +171,37 @@ void measure_divisions(const BladeOptions& options, Report& report) {
       "blade divisions",
       "planes that divide the elements which they cross, one after the other, in a body of "
       "tm-faure; us per divided element: parts and joints found, map and columns changed, "
-      "surface made again");
-  BenchBody body(
-      host, {.model = "tm-faure", .cells = cells, .threads = options.threads, .may_divide = true});
-  EmbeddedParts parts{Parts{}};
-  parts.let_grow(body.complex());
+      "surface made again; medians of " +
+          std::to_string(options.rounds));
   const double edge = 0.025;
   const Vec3 centre{edge * cells[0] / 2, edge * cells[1] / 2, edge * cells[2] / 2};
-  for (const Vec3& normal : {Vec3{0.2, 0.3, 1}, {-0.3, 0.4, 1}, {1, 0.5, 0.3}}) {
-    const double start = now(options.threads);
-    const BladeCut cut =
-        cut_along(body.complex(), parts.parts(), body.attributes().position().rows(),
-                  PlaneBlade({centre, normal}), "");
-    const double found = now(options.threads);
-    body.body().clone_volume(cut.cloning, cut.parts, [] {});
-    const double cloned = now(options.threads);
-    parts.append(cut.parts, cut.cloning.origins);
-    (void)parts.embedding(body.complex());
-    const double done = now(options.threads);
-    const double us = 1e6 / cut.divided;
+  const std::array<Vec3, 3> normals{{{0.2, 0.3, 1}, {-0.3, 0.4, 1}, {1, 0.5, 0.3}}};
+  std::array<std::vector<DivisionTimes>, 3> times;
+  for (int round = 0; round < options.rounds; ++round) {
+    BenchBody body(
+        host,
+        {.model = "tm-faure", .cells = cells, .threads = options.threads, .may_divide = true});
+    EmbeddedParts parts{Parts{}};
+    parts.let_grow(body.complex());
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      times[i].push_back(
+          time_division(body, parts, PlaneBlade({centre, normals[i]}), options.threads));
+  }
+  for (const auto& plane : times) {
+    const auto middle = [&](double DivisionTimes::*member) {
+      std::vector<double> values;
+      for (const DivisionTimes& t : plane) values.push_back(t.*member);
+      return median(values);
+    };
+    const double find = middle(&DivisionTimes::find), change = middle(&DivisionTimes::change),
+                 surface = middle(&DivisionTimes::surface);
     report.add(Line()
-                   .add("elements", double(body.complex().existing(3)))
-                   .add("divided", double(cut.divided))
-                   .add("find us", us * (found - start))
-                   .add("map and columns us", us * (cloned - found))
-                   .add("surface us", us * (done - cloned))
-                   .add("total us", us * (done - start)));
+                   .add("elements", plane[0].elements)
+                   .add("divided", plane[0].divided)
+                   .add("find us", find)
+                   .add("map and columns us", change)
+                   .add("surface us", surface)
+                   .add("total us", find + change + surface));
   }
 }
 
@@ -192,6 +219,7 @@ void add_blade(CommandLine& line) {
   command.option("--rows", &options.rows, "Blade: hundreds of squares");
   command.option("--moving", &options.moving, "Elements of the scene with a moving blade");
   command.option("--threads", &options.threads, "Threads").positive();
+  command.option("--rounds", &options.rounds, "Bodies that planes divide").positive();
   command.option("--seconds", &options.seconds, "Time spent on each figure");
 }
 

@@ -139,6 +139,8 @@ void run_event_runs(const EventRunOptions& options, Report& report) {
         add_blade(blade, options);
         compare("cuts of one face", plain, cuts, options, host, report);
         compare("a blade in every step", plain, blade, options, host, report);
+        std::get<CutBlade>(blade.events[0].what).along_blade = true;
+        compare("a blade that divides elements", plain, blade, options, host, report);
       }
 }
 

@@ -6,6 +6,7 @@
 
 #include "kernel/attributes/inspection.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
 namespace {
@@ -258,6 +259,32 @@ void Attributes::merge_vertices(const CellComplex& complex, const TopologyChange
     merge_values(*field.values, field.capacity ? *field.capacity : *mass_, change.merges[0]);
   VertexMerge{*rest_, *position_, *velocity_, *fixed_, own_rest_, parts_}.apply(complex, change,
                                                                                 vertex_weights_);
+}
+
+void Attributes::bring_together(const std::vector<std::pair<Index, Index>>& equal) {
+  const auto give_mean = [](Column& column, int c, const std::vector<Index>& group, auto weight) {
+    double sum = 0, all = 0;
+    for (const Index v : group) {
+      sum += weight(v) * column.get(v, c);
+      all += weight(v);
+    }
+    for (const Index v : group)
+      if (all > 0) column.set(v, c, sum / all);
+  };
+  for (const std::vector<Index>& group : groups_of_equal(equal)) {
+    for (int c = 0; c < 3; ++c) {
+      const auto is_fixed = [&](Index v) { return (int(fixed_->get(v, 0)) >> c & 1) != 0; };
+      const bool has_fixed = std::ranges::any_of(group, is_fixed);
+      const auto weight = [&](Index v) {
+        return has_fixed ? double(is_fixed(v)) : mass_->get(v, 0);
+      };
+      for (Column* column : {position_, velocity_}) give_mean(*column, c, group, weight);
+    }
+    for (const VertexField& field : fields_) {
+      const Column& by = field.capacity ? *field.capacity : *mass_;
+      give_mean(*field.values, 0, group, [&](Index v) { return by.get(v, 0); });
+    }
+  }
 }
 
 /// What is gone is zero, so that integrators and sums may pass over it; masses that are

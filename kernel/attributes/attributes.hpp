@@ -121,6 +121,9 @@ class Attributes {
   /// Call around an operation that copies elements, with the parts of the copies.
   void begin_copies(const Parts& copies) { parts_.begin_copies(copies); }
   void end_copies() { parts_.end_copies(); }
+  /// Vertices that are declared equal get the mean position and velocity, by mass, and the mean of
+  /// each field, by capacity. Prescribed components have the last word.
+  void bring_together(const std::vector<std::pair<Index, Index>>& equal);
 
   /// The numbers of elements as users see them, for messages and suture_batch.cell_ids; set
   /// before initialise() and owned by the caller. Empty: the numbers of the complex.

@@ -23,12 +23,13 @@ void add(const FieldCondition& condition, const Selector& selector, Body& body,
          const std::function<std::string(Index)>& name) {
   FieldEquation& equation = body.field(condition.field);
   if (condition.kind == Kind::flux) {
-    if (selector.has_parts())
-      throw InputError(condition.place +
-                       ": \"flux\" acts on whole faces of elements, and the "
-                       "surface of this body lies inside of elements; use \"source\"");
-    equation.fluxes().add_traction(body.complex(), selector.boundary_faces(condition.where),
-                                   {condition.value, 0, 0}, condition.ramp);
+    const Vec3 value{condition.value, 0, 0};
+    if (selector.has_parts() || body.attributes().parts().may_grow())
+      equation.fluxes().add_surface_traction(
+          body.complex(), selector.surface_triangles(condition.where), value, condition.ramp);
+    else
+      equation.fluxes().add_traction(body.complex(), selector.boundary_faces(condition.where),
+                                     value, condition.ramp);
     return;
   }
   const std::vector<Index> vertices = selector.vertices(condition.where);

@@ -29,6 +29,7 @@
 #include "kernel/parts/fill_labels.hpp"
 #include "kernel/parts/fill_shape.hpp"
 #include "kernel/parts/lattice.hpp"
+#include "kernel/parts/part_materials.hpp"
 #include "kernel/topology/bad_elements.hpp"
 
 namespace suture {
@@ -129,10 +130,11 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   check_selections(scene_, selector_);
   name_elements();
   add_models(diagnostics);
-  const DynamicsOptions options{scene_.solver.integrator,
-                                scene_.solver.damping,
-                                {scene_.solver.step_tolerance, stops_on_inversion(),
-                                 scene_.solver.hold_free_pieces, scene_.solver.follow_path}};
+  const DynamicsOptions options{
+      scene_.solver.integrator,
+      scene_.solver.damping,
+      {scene_.solver.step_tolerance, stops_on_inversion(), scene_.solver.hold_free_pieces,
+       scene_.solver.follow_path, scene_.solver.budget}};
   dynamics_ = std::make_unique<Dynamics>(body_, options);
   limits_ = std::make_unique<StepLimits>(body_);
   add_constraints();
@@ -144,7 +146,8 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
 /// Before the models, which must allow it.
 void BuiltScene::let_parts_grow() {
   const auto event = std::ranges::find_if(scene_.events, &Event::is_along_blade);
-  const std::string path = event->path + "/cut/along: ";
+  const std::string path =
+      event != scene_.events.end() ? event->path + "/cut/along: " : "/divisible: ";
   if (const Index e = first_off_lattice(body_.complex()); e != none)
     throw InputError(
         path + "element " + std::to_string(element_name(e)) +
@@ -303,9 +306,14 @@ void BuiltScene::add_edges(Contact& contact) {
     const auto* blade = std::get_if<CutBlade>(&event.what);
     if (!blade || !blade->resistance) continue;
     const CutBlade::Resistance& resistance = *blade->resistance;
+    CuttingEdges::HasMaterial has_material;
+    if (blade->along_blade)
+      has_material = [this](Index e, const Vec3& at) {
+        return suture::has_material(parts(), e, at);
+      };
     contact.add_edge({blade->carried->obstacle, blade->carried->points,
                       element_values(resistance.toughness),
-                      resistance.stress * resistance.thickness});
+                      resistance.stress * resistance.thickness, std::move(has_material)});
   }
 }
 

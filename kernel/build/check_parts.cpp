@@ -2,15 +2,10 @@
 #include "kernel/build/check_parts.hpp"
 
 #include "kernel/base/error.hpp"
-#include "kernel/dynamics/integrator.hpp"
 
 namespace suture {
 namespace {
 
-constexpr const char* acts_on_whole_faces = "acts on whole faces of elements, and ";
-constexpr const char* surface_is_inside = "the surface of this body lies inside of elements; ";
-constexpr const char* blade_is_inside =
-    "cuts with \"along\": \"blade\" leave faces inside of elements; ";
 constexpr const char* or_whole_cubes =
     " or fill the surface with whole cubes: 'suture mesh voxelize', and \"file\" in /mesh";
 constexpr const char* or_along_faces = " or cut along \"faces\"";
@@ -27,19 +22,13 @@ class PartsCheck {
             std::string("needs nodes that move independently of each other, and points of this "
                         "surface share theirs; remove it, so that the tool moves along its path,") +
                 or_instead());
-    for (const Event& event : scene.events) check(event);
   }
-  /// Lips and pieces that are embedded touch by impulses.
+  /// Lips and pieces that are embedded wake nothing.
   void check_pieces(const Scene& scene) {
-    const std::string needs =
-        "needs explicit steps without sleep where the surface lies inside of elements; ";
-    if (is_implicit(scene.solver.integrator))
-      add("/contact/pieces", needs + "use \"symplectic-euler\" or \"velocity-verlet\"");
     if (scene.solver.sleep_acceleration > 0)
-      add("/contact/pieces", needs + "remove \"sleep\" in /solver");
-  }
-  void check(const Event& event) {
-    if (std::holds_alternative<SewFaces>(event.what)) refuse(event.path + "/suture", "remove it,");
+      add("/contact/pieces",
+          "needs a run without sleep where the surface lies inside of elements; remove "
+          "\"sleep\" in /solver");
   }
   void throw_if_any() const {
     if (!mistakes_.empty()) throw InputError(mistakes_);
@@ -50,11 +39,6 @@ class PartsCheck {
     mistakes_ += (mistakes_.empty() ? "" : "\n") + path + ": " + text;
   }
   const char* or_instead() const { return by_blade_ ? or_along_faces : or_whole_cubes; }
-  void refuse(const std::string& path, const std::string& remedy) {
-    add(path, std::string(acts_on_whole_faces) + (by_blade_ ? blade_is_inside : surface_is_inside) +
-                  remedy + or_instead());
-  }
-
   bool by_blade_;
   std::string mistakes_;
 };
@@ -74,15 +58,11 @@ void check_parts(const Scene& scene, const Parts& parts) {
   check.throw_if_any();
 }
 
-void check_parts(const Event& event, const Parts& parts, bool may_grow) {
+void check_parts(const Event& event, bool may_grow) {
   if (event.is_along_blade() && !may_grow)
     throw InputError(event.path +
                      "/cut/along: the scene has no cut along a blade, so its models are not "
-                     "prepared for parts of elements; add such an event to the scene");
-  if (parts.empty() && !may_grow) return;
-  PartsCheck check(parts.empty());
-  check.check(event);
-  check.throw_if_any();
+                     "prepared for parts of elements; set \"divisible\": true in the scene");
 }
 
 }  // namespace suture

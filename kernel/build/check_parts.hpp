@@ -12,6 +12,6 @@ namespace suture {
 void check_parts(const Scene& scene, const Parts& parts);
 
 /// The same for an event during the run. `may_grow`: cuts along blades are allowed in it.
-void check_parts(const Event& event, const Parts& parts, bool may_grow);
+void check_parts(const Event& event, bool may_grow);
 
 }  // namespace suture

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/build/embedded_parts.hpp"
 
+#include <algorithm>
+
 #include "kernel/base/archive.hpp"
+#include "kernel/parts/cube_sides.hpp"
+#include "kernel/topology/dart.hpp"
 
 namespace suture {
 
@@ -16,11 +20,12 @@ void EmbeddedParts::let_grow(const CellComplex& complex) {
         parts_.outer_sides[e] |= static_cast<std::uint8_t>(1u << f);
 }
 
-void EmbeddedParts::append(const Parts& added, std::span<const Index> origins) {
+void EmbeddedParts::append(const Parts& added, std::span<const Index> origins, Index cut) {
   has_grown_ = true;
   is_current_ = false;
   const auto first_point = static_cast<Index>(parts_.points.size());
   const auto first_tetrahedron = static_cast<Index>(parts_.tetrahedra.size());
+  const std::size_t first_triangle = parts_.triangles.size();
   const auto append = [](auto& list, const auto& more) {
     list.insert(list.end(), more.begin(), more.end());
   };
@@ -38,9 +43,89 @@ void EmbeddedParts::append(const Parts& added, std::span<const Index> origins) {
     for (Index& p : corners) p += first_point;
     parts_.triangles.push_back(corners);
   }
+  const Index first_copy = added.elements.empty() ? none : added.elements.front();
+  cut_of_triangle_.resize(parts_.triangles.size(), none);
+  for (std::size_t t = first_triangle; t < parts_.triangles.size(); ++t) {
+    if (parts_.is_cut[t] == 0) continue;
+    const Index element = parts_.points[parts_.triangles[t][0]].element;
+    const Index before =
+        element < first_copy ? none : cut_before(origins[element - first_copy], triangle(t));
+    cut_of_triangle_[t] = before == none ? cut : before;
+  }
+  inherit_sides(first_copy, origins);
+  for (const Index e : origins) lips_of_.erase(e);
+  number_lips(first_triangle);
   for (const Index e : origins)
     if (!parts_.outer_sides.empty())
       parts_.outer_sides.push_back(std::uint8_t{parts_.outer_sides[e]});
+}
+
+LipTriangle EmbeddedParts::triangle(std::size_t t) const {
+  const auto& [a, b, c] = parts_.triangles[t];
+  return LipTriangle({parts_.points[a].at, parts_.points[b].at, parts_.points[c].at});
+}
+
+/// The cut that had made the lip of an origin on which a triangle of its copy lies.
+Index EmbeddedParts::cut_before(Index origin, const LipTriangle& of_copy) const {
+  const auto lips = lips_of_.find(origin);
+  if (lips == lips_of_.end()) return none;
+  for (const Index t : lips->second)
+    if (triangle(t).covers(of_copy)) return cut_of_triangle_[t];
+  return none;
+}
+
+void EmbeddedParts::inherit_sides(Index first, std::span<const Index> origins) {
+  if (cut_of_side_.empty()) return;
+  for (Index i = 0; i < origins.size(); ++i)
+    for (int f = 0; f < hexahedron::faces; ++f)
+      if (const auto known = cut_of_side_.find(face_dart(origins[i], f));
+          known != cut_of_side_.end())
+        cut_of_side_[face_dart(first + i, f)] = Index{known->second};
+}
+
+std::vector<Index> EmbeddedParts::cuts(const CellComplex& complex) {
+  std::vector<Index> cuts;
+  const Index first_side = static_cast<Index>(parts_.triangles.size());
+  for (const Index source : embedding(complex).triangle_source) {
+    const auto side = cut_of_side_.find(source < first_side ? none : 4 * (source - first_side));
+    cuts.push_back(side != cut_of_side_.end()         ? side->second
+                   : source < cut_of_triangle_.size() ? cut_of_triangle_[source]
+                                                      : none);
+  }
+  return cuts;
+}
+
+void EmbeddedParts::close(std::span<const Dart> sides) {
+  if (sides.empty()) return;
+  std::vector<Dart> closed;
+  for (const Dart side : sides) closed.push_back(side - side % 4);
+  std::ranges::sort(closed);
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {
+    const auto& [a, b, c] = parts_.triangles[t];
+    const auto at = [&](Index p) { return sides_at(parts_.points[p].at); };
+    const unsigned on = parts_.is_cut[t] != 0 ? at(a) & at(b) & at(c) : 0;
+    bool is_closed = false;
+    for (unsigned s = 0; s < cube_sides.size() && on != 0; ++s) {
+      const Dart side = face_dart(parts_.points[a].element, cube_sides[s].face());
+      is_closed = is_closed || ((on >> s & 1) != 0 && std::ranges::binary_search(closed, side));
+    }
+    if (is_closed) continue;
+    parts_.triangles[kept] = parts_.triangles[t];
+    cut_of_triangle_[kept] = cut_of_triangle_[t];
+    parts_.is_cut[kept++] = std::uint8_t{parts_.is_cut[t]};
+  }
+  parts_.triangles.resize(kept);
+  cut_of_triangle_.resize(kept);
+  parts_.is_cut.resize(kept);
+  lips_of_.clear();
+  number_lips(0);
+}
+
+void EmbeddedParts::number_lips(std::size_t first) {
+  for (std::size_t t = first; t < parts_.triangles.size(); ++t)
+    if (parts_.is_cut[t] != 0)
+      lips_of_[parts_.points[parts_.triangles[t][0]].element].push_back(static_cast<Index>(t));
 }
 
 void EmbeddedParts::state(Archive& archive) {
@@ -56,7 +141,17 @@ void EmbeddedParts::state(Archive& archive) {
   archive("triangles", parts_.triangles);
   archive("is cut", parts_.is_cut);
   archive("outer sides", parts_.outer_sides);
+  archive("cut of triangle", cut_of_triangle_);
+  std::vector<std::array<Index, 2>> sides;
+  for (const auto& [side, cut] : cut_of_side_) sides.push_back({side, cut});
+  std::ranges::sort(sides);
+  archive("cut of side", sides);
   is_current_ = false;
+  if (!archive.loads()) return;
+  cut_of_side_.clear();
+  for (const auto& [side, cut] : sides) cut_of_side_[side] = cut;
+  lips_of_.clear();
+  number_lips(0);
 }
 
 }  // namespace suture

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <unordered_map>
+
 #include "kernel/forces/follower.hpp"
 #include "kernel/parts/embedding.hpp"
+#include "kernel/parts/lip_triangle.hpp"
+#include "kernel/topology/dart.hpp"
 
 namespace suture {
 
@@ -19,8 +23,14 @@ class EmbeddedParts final : public Follower {
   /// Call before cuts along blades: remembers which faces are the surface of the body now.
   void let_grow(const CellComplex& complex);
   /// Adds the parts of new elements, which follow all others, and their surface. `origins`: of the
-  /// new elements.
-  void append(const Parts& added, std::span<const Index> origins);
+  /// new elements; `cut`: the number of the cut that makes them.
+  void append(const Parts& added, std::span<const Index> origins, Index cut = none);
+  /// A cut has laid open this side of an element.
+  void open(Dart side, Index cut) { cut_of_side_[face_of(side)] = cut; }
+  /// The number of the cut that has made each triangle of embedding(); none of others.
+  std::vector<Index> cuts(const CellComplex& complex);
+  /// Forgets what cuts have laid open on these sides of elements.
+  void close(std::span<const Dart> sides);
   /// Saves what was appended, and the rest with it.
   void state(Archive& archive);
   /// O(parts) at first and after an operation, else free.
@@ -32,7 +42,15 @@ class EmbeddedParts final : public Follower {
   void follow(const CellComplex&, const TopologyChange&) override { is_current_ = false; }
 
  private:
+  LipTriangle triangle(std::size_t t) const;
+  Index cut_before(Index origin, const LipTriangle& triangle) const;
+  void inherit_sides(Index first, std::span<const Index> origins);
+  void number_lips(std::size_t first);
+
   Parts parts_;
+  std::vector<Index> cut_of_triangle_;                     ///< of the parts; none: of no cut
+  std::unordered_map<Dart, Index> cut_of_side_;            ///< by first dart
+  std::unordered_map<Index, std::vector<Index>> lips_of_;  ///< triangles of lips, by element
   bool has_grown_ = false;
   Embedding embedding_;
   bool is_current_ = false;

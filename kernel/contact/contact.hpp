@@ -92,6 +92,17 @@ class Contact final : public ContactLaw {
   /// Null without them.
   const PieceContact* pieces() const { return pieces_.get(); }
   PieceContact* pieces() { return pieces_.get(); }
+  /// Those of an embedded surface, where its points are now; null without them.
+  const PointPairs* find_point_pairs();
+  /// The coefficient of lips and pieces.
+  double friction_of_pieces() const {
+    return pieces_ ? pieces_->friction() : pairs_ ? pairs_->friction() : 0;
+  }
+  /// What may touch other pieces: rows of 4, of those of touching_places().
+  const double* places_now();
+  std::span<const Index> touching_places() const {
+    return points_ ? points_->numbers() : surface_.vertices();
+  }
 
   /// Tissue resists the edge of a blade that an obstacle carries.
   void add_edge(const CuttingEdges::Edge& edge);
@@ -146,6 +157,7 @@ class Contact final : public ContactLaw {
     if (edges_) edges_->forget_places();
   }
   void change_sleepers(const LiveMask& moving) override;
+  void edge_divided(std::size_t edge, Index first) override { edges_->divided(edge, first); }
   std::vector<Index> near_moving_obstacles(double time, double dt) const override;
   void for_each_pushed_sleeper(const VisitPushed& visit) const override;
   std::vector<Press> presses() const override;

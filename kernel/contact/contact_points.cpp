@@ -21,6 +21,20 @@ bool Contact::is_free(Index point, const LiveMask& moving) const {
 
 void Contact::add_near_point(Index number) { add_point((*points_)[number]); }
 
+const PointPairs* Contact::find_point_pairs() {
+  if (!pairs_) return nullptr;
+  pairs_->set_depth(PieceContact::max_depth);
+  points_->gather(attributes_);
+  pairs_->find();
+  return &*pairs_;
+}
+
+const double* Contact::places_now() {
+  if (!points_) return attributes_.position().rows();
+  points_->gather(attributes_);
+  return points_->positions();
+}
+
 /// After the points near obstacles.
 void Contact::find_pairs() {
   first_pair_ = pushed_.size();

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernel/base/archive.hpp"
 #include "kernel/base/rows.hpp"
 #include "kernel/base/sort_unique.hpp"
+#include "kernel/parts/cube_sides.hpp"
 #include "kernel/topology/dart.hpp"
 
 namespace suture {
@@ -18,6 +20,12 @@ constexpr double spacing = 0.125, lips = 0.5;
 constexpr double beside_lips = 0.05;
 // How far around the edges elements are collected, in edges.
 constexpr double collected = 2;
+// Within this distance of an open side, an edge that divides elements is on that side; as a share
+// of the reference cube.
+constexpr double on_side = 0.04;
+// From the end of its slit, in edges: how far an edge is behind it if it is free, and up to where
+// that end is known.
+constexpr double behind_tip = 0.01, near_tip = 2;
 // Motion by less is rounding, in edges.
 constexpr double rounding = 1e-9;
 
@@ -51,12 +59,14 @@ void CuttingEdges::add(const Edge& edge) {
                           scaled(1 / length, way), length / count});
   }
   edges_.push_back(edge);
+  is_divided_.emplace_back(complex_.element_count());
   Elements nowhere;
   nowhere.fill(none);
   elements_.resize(samples_.size(), nowhere);
   directions_.resize(samples_.size());
   withdrawn_.resize(samples_.size());
   has_begun_.resize(samples_.size());
+  tips_.resize(samples_.size());
 }
 
 // ------------------------------------------------------------------ where they are --
@@ -79,7 +89,8 @@ void CuttingEdges::begin(std::span<const Obstacle> obstacles, double time, doubl
       has_begun_[s] = 0;
       continue;
     }
-    add_weights(elements_[s], at_);
+    add_weights(elements_[s], samples_[s].at);
+    find_tip(s);
     gripping_.push_back(s);
   }
   enter();
@@ -104,27 +115,35 @@ void CuttingEdges::place(std::span<const Obstacle> obstacles, double time, doubl
 
 /// Mostly those of the last step; where a slit has opened beside the sample, the lips.
 void CuttingEdges::find_elements(std::size_t s) {
-  const Vec3& start = samples_[s].start;
+  Sample& sample = samples_[s];
+  const Vec3& start = sample.start;
   const Elements last = elements_[s];
   Elements& now = elements_[s];
   now.fill(none);
-  at_.clear();
+  sample.at.clear();
   const auto add = [&](Index element, const Vec3& at) {
-    if (at_.size() == now.size()) return;
-    now[at_.size()] = element;
-    at_.push_back(at);
+    if (sample.at.size() == now.size()) return;
+    now[sample.at.size()] = element;
+    sample.at.push_back(at);
   };
   if (last[0] != none && last[1] == none) {
     const auto at = finder_.inside(last[0], start);
-    if (at && std::ranges::all_of(*at, [](double c) { return std::abs(c) < 1; }))
+    if (at && std::ranges::all_of(*at, [](double c) { return std::abs(c) < 1; }) &&
+        has_material(sample, last[0], *at))
       return add(last[0], *at);
   }
-  finder_.for_each_around(start, add);
+  finder_.for_each_around(start, [&](Index e, const Vec3& at) {
+    if (has_material(sample, e, at)) add(e, at);
+  });
   if (now[0] != none) return;
   for (const Index e : last) {
     Vec3 at;
     if (e != none && is_between_lips(s, e, at)) add(e, at);
   }
+}
+
+bool CuttingEdges::has_material(const Sample& sample, Index element, const Vec3& at) const {
+  return !divides(sample) || edges_[sample.edge].has_material(element, at);
 }
 
 /// Whether a sample in no element is beside this one, across the slit; `at`: the place there.
@@ -161,6 +180,32 @@ void CuttingEdges::add_weights(const Elements& elements, const std::vector<Vec3>
     }
   }
   first_.push_back(vertices_.size());
+}
+
+/// An element stays whole until the edge has passed it, and longer where the edge ends in it. What
+/// is cut in it is known by where the samples have been, in the tissue at rest.
+void CuttingEdges::find_tip(std::size_t s) {
+  Sample& sample = samples_[s];
+  if (!divides(sample)) return;
+  const Index element = elements_[s][0];
+  sample.rest = place_in(complex_.vertices_of(element), sample.at[0], attributes_.rest().rows(), 4);
+  Tip& tip = tips_[s];
+  if (!std::exchange(tip.has_moved, 0)) return;
+  if (tip.element != none && tip.element != element && complex_.exists(3, tip.element)) {
+    const Passed passed{static_cast<Index>(s), tip.element};
+    const auto place = std::ranges::lower_bound(passed_, passed);
+    if (place == passed_.end() || *place != passed) passed_.insert(place, passed);
+  }
+  const Vec3 way = minus(sample.rest, tip.at);
+  if (norm(way) > rounding * edge_) tip.direction = unit(way);
+  tip.at = sample.rest;
+  tip.element = element;
+}
+
+bool CuttingEdges::has_passed(std::size_t s, Index element) const {
+  if (std::ranges::binary_search(passed_, Passed{static_cast<Index>(s), element})) return true;
+  const Vec3 way = minus(samples_[s].rest, tips_[s].at);
+  return dot(way, tips_[s].direction) < -behind_tip * edge_ && norm(way) < near_tip * edge_;
 }
 
 /// Remembers the slits in elements as the first sample has found them: what the edge opens on its
@@ -200,11 +245,8 @@ void CuttingEdges::engage(double gain) {
     grip.tangent = samples_[s].tangent;
     grip.direction = directions_[s];
     if (grip.direction == Vec3{}) grip.direction = unit(gap(grip));
-    const auto resisting = [&](Index e) {
-      return e != none && resists(samples_[s], e, grip.direction);
-    };
-    if (std::ranges::any_of(elements_[s], resisting))
-      grip.limit = toughness(s) * samples_[s].length * gain;
+    for (std::size_t k = 0; k < samples_[s].at.size() && grip.limit == 0; ++k)
+      if (resists(s, k, grip.direction)) grip.limit = toughness(s) * samples_[s].length * gain;
     grips_.push_back(grip);
   }
 }
@@ -219,8 +261,13 @@ double CuttingEdges::toughness(std::size_t s) const {
 }
 
 /// An edge that advances in an element separates it from the neighbour on its side: not if it was
-/// already open there, or if the surface of the body is there.
-bool CuttingEdges::resists(const Sample& sample, Index element, const Vec3& direction) const {
+/// already open there, or if the surface of the body is there. One that divides elements opens
+/// what is on both sides of it, or separates a side on which it lies.
+bool CuttingEdges::resists(std::size_t s, std::size_t place, const Vec3& direction) const {
+  const Sample& sample = samples_[s];
+  const Index element = elements_[s][place];
+  if (divides(sample) && (is_divided_[sample.edge][element] != 0 || has_passed(s, element)))
+    return false;
   const double* x = attributes_.position().rows();
   const Hexahedron& nodes = complex_.vertices_of(element);
   const Vec3 centre = middle(nodes, x);
@@ -235,7 +282,9 @@ bool CuttingEdges::resists(const Sample& sample, Index element, const Vec3& dire
     if (towards > most) most = towards, facing = f;
   }
   const auto entered = std::ranges::lower_bound(entered_, element, {}, &Entered::element);
-  return (entered->open >> facing & 1) == 0;
+  if ((entered->open >> facing & 1) == 0) return true;
+  const CubeSide side = cube_sides[side_with_face(static_cast<unsigned>(facing))];
+  return divides(sample) && std::abs(sample.at[place][side.axis] - side.place()) > on_side;
 }
 
 // ---------------------------------------------------------------------------- pushes --
@@ -279,7 +328,7 @@ void CuttingEdges::finish() {
       withdrawn_[s] = 0;
       if (norm(grip.impulse()) < (1 - rounding) * grip.limit) continue;  // it holds
       directions_[s] = unit(grip.change);
-      has_begun_[s] = 1;
+      has_begun_[s] = tips_[s].has_moved = 1;
       continue;
     }
     withdrawn_[s] -= ahead;
@@ -292,7 +341,19 @@ void CuttingEdges::finish() {
 
 // ---------------------------------------------------------------- operations and state --
 
+void CuttingEdges::divided(std::size_t edge, Index first) {
+  std::fill(is_divided_[edge].begin() + std::ptrdiff_t{first}, is_divided_[edge].end(), 1);
+}
+
 void CuttingEdges::follow(const TopologyChange& change) {
+  for (std::size_t i = 0; i < edges_.size(); ++i)
+    for (const Split& copy : change.copies) {
+      edges_[i].toughness.push_back(double{edges_[i].toughness[copy.old_cell]});
+      is_divided_[i].push_back(std::uint8_t{is_divided_[i][copy.old_cell]});
+    }
+  for (std::vector<std::uint8_t>& is_divided : is_divided_)
+    for (const Split& sewn : change.absorbed) is_divided[sewn.new_cell] = 0;
+  std::erase_if(passed_, [&](const Passed& p) { return !complex_.exists(3, p.element); });
   if (change.faces_sewn == 0 && change.removed[3].empty()) return;
   finder_.follow(change);
   entered_.clear();  // with other sides
@@ -303,6 +364,16 @@ void CuttingEdges::state(Archive& archive) {
   archive("directions", directions_);
   archive("withdrawn", withdrawn_);
   archive("begun", has_begun_);
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    if (!edges_[i].has_material) continue;
+    archive(("toughness " + std::to_string(i)).c_str(), edges_[i].toughness);
+    archive(("divided " + std::to_string(i)).c_str(), is_divided_[i]);
+  }
+  archive.member("tips", tips_, &Tip::at);
+  archive.member("tip directions", tips_, &Tip::direction);
+  archive.member("tip elements", tips_, &Tip::element);
+  archive.member("moved tips", tips_, &Tip::has_moved);
+  archive.rows<Index>("passed", passed_);
   archive.member("entered", entered_, &Entered::element);
   archive.member("open", entered_, &Entered::open);
   if (archive.loads()) finder_.forget();

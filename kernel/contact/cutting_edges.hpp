@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -46,11 +47,14 @@ namespace suture {
 /// sampled; each sample acts on the nodes of the element in which it is.
 class CuttingEdges {
  public:
+  /// Whether there is material at a place in the reference cube of an element.
+  using HasMaterial = std::function<bool(Index element, const Vec3& at)>;
   struct Edge {
     std::size_t obstacle = 0;       ///< that carries it
     std::vector<Vec3> points;       ///< a polyline beside the obstacle as given, m
     std::vector<double> toughness;  ///< by element, J/m^2
     double start = 0;               ///< force per length at which it begins to cut, N/m
+    HasMaterial has_material{};     ///< if it divides elements; else empty
   };
 
   /// `edge`: a typical edge of the elements, m.
@@ -95,6 +99,8 @@ class CuttingEdges {
   Vec3 velocity(const Grip& grip) const { return samples_[grip.sample].velocity; }
 
   void forget_places() { finder_.forget(); }
+  /// An edge has divided elements: copies from `first` on resist it no more.
+  void divided(std::size_t edge, Index first);
   void follow(const TopologyChange& change);
   void state(Archive& archive);
 
@@ -107,10 +113,8 @@ class CuttingEdges {
     double length;  ///< of the edge, m
     // Known only during a step.
     Vec3 start{}, end{}, tangent{}, velocity{};
-  };
-  struct Weight {
-    Index vertex;
-    double weight;
+    std::vector<Vec3> at{};  ///< in its elements
+    Vec3 rest{};             ///< where the tissue there is at rest
   };
   /// What an element was when the first sample came into it.
   struct Entered {
@@ -118,12 +122,28 @@ class CuttingEdges {
     std::uint8_t open;  ///< bits of sides without a neighbour
   };
 
+  /// Where the slit of a sample ends.
+  struct Tip {
+    Vec3 at{}, direction{};  ///< of the last advance; at rest
+    Index element = none;
+    std::uint8_t has_moved = 0;  ///< in the last step
+  };
+  /// An element that a sample has crossed, and that is still whole.
+  struct Passed {
+    Index sample, element;
+    auto operator<=>(const Passed&) const = default;
+  };
+
   void place(std::span<const Obstacle> obstacles, double time, double end);
   void find_elements(std::size_t sample);
   bool is_between_lips(std::size_t sample, Index element, Vec3& at) const;
   void add_weights(const Elements& elements, const std::vector<Vec3>& at);
   void enter();
-  bool resists(const Sample& sample, Index element, const Vec3& direction) const;
+  bool resists(std::size_t sample, std::size_t place, const Vec3& direction) const;
+  bool divides(const Sample& sample) const { return edges_[sample.edge].has_material != nullptr; }
+  void find_tip(std::size_t sample);
+  bool has_passed(std::size_t sample, Index element) const;
+  bool has_material(const Sample& sample, Index element, const Vec3& at) const;
   double toughness(std::size_t sample) const;
   Vec3 gap(const Grip& grip) const;
   std::uint8_t open_sides(Index element) const;
@@ -133,6 +153,7 @@ class CuttingEdges {
   Attributes& attributes_;
   double edge_;
   std::vector<Edge> edges_;
+  std::vector<std::vector<std::uint8_t>> is_divided_;  ///< of each edge by it, by element
   std::vector<Sample> samples_;
   // What samples remember.
   std::vector<Elements> elements_;       ///< in which they are, `none` at the end
@@ -140,8 +161,9 @@ class CuttingEdges {
   std::vector<double> withdrawn_;        ///< from the tip of the slit, m
   std::vector<std::uint8_t> has_begun_;  ///< to cut this tissue
   std::vector<Entered> entered_;         ///< ascending
+  std::vector<Tip> tips_;                ///< of edges that divide elements, by sample
+  std::vector<Passed> passed_;           ///< by these, ascending
   // Known only during a step.
-  std::vector<Vec3> at_;            ///< in the elements of the sample in progress
   std::vector<std::size_t> first_;  ///< of each grip, in the next two
   std::vector<Index> vertices_;
   std::vector<double> weights_;

@@ -33,16 +33,16 @@ double largest_difference(const std::map<Cube, Box>& ways) {
 
 }  // namespace
 
-std::optional<MissedApproach> find_missed_approach(const BoundarySurface& surface,
+std::optional<MissedApproach> find_missed_approach(std::span<const Index> places,
                                                    const double* from, const double* to,
                                                    double edge, double depth) {
   const auto way_of = [&](Index v) { return minus(row(to, v), row(from, v)); };
   Box all = no_box;
-  for (const Index v : surface.vertices()) include(all, way_of(v));
+  for (const Index v : places) include(all, way_of(v));
   double allowed = depth;
   for (double distance = edge; diagonal_of(all) > allowed; distance *= 4) {
     std::map<Cube, Box> ways;
-    for (const Index v : surface.vertices()) {
+    for (const Index v : places) {
       Cube cube = row(from, v);
       for (double& c : cube) c = std::floor(c / distance);
       include(ways.try_emplace(cube, no_box).first->second, way_of(v));

@@ -2,14 +2,12 @@
 #include "kernel/contact/multiplier_forces.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
-#include <sstream>
+#include <numeric>
 #include <string>
 #include <utility>
 
-#include "kernel/base/error.hpp"
-#include "kernel/base/message_text.hpp"
-#include "kernel/contact/missed_approach.hpp"
 #include "kernel/solvers/links.hpp"
 
 namespace suture {
@@ -94,7 +92,7 @@ void MultiplierForces::for_each_push(double time, Visit visit) {
     if (!has_force(push) && (!is_static_ || pair.pressure != 0 || push.gap > pair.first_gap))
       continue;
     if (!start_.empty())
-      add_friction(push, contact_.pieces()->friction(), minus(offset, push.sum(start_.data(), 4)));
+      add_friction(push, contact_.friction_of_pieces(), minus(offset, push.sum(start_.data(), 4)));
     visit(push);
   }
 }
@@ -234,7 +232,7 @@ Vec3 MultiplierForces::Push::skew_tangent(const Vec3& d) const {
 
 bool MultiplierForces::is_conservative(double) {
   if (bounds_stay_) return true;
-  return !(contact_.pieces() && contact_.pieces()->friction() > 0) &&
+  return !(contact_.friction_of_pieces() > 0) &&
          std::ranges::all_of(contact_.obstacles(),
                              [](const Obstacle& obstacle) { return obstacle.friction == 0; });
 }
@@ -262,23 +260,30 @@ bool MultiplierForces::add_tangent_in_single(const float* d, double dx, double,
   return true;
 }
 
-/// Between pieces as links: cells of 8 nodes, the last of which do not count.
+/// Between pieces as links: cells of 8 nodes. The last ones do not count if there are fewer; if
+/// there are more, those with the largest weights do, as the matrix only preconditions.
 void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at,
                                         const VisitTangents& visit) {
   std::vector<Index> vertices;
+  std::vector<std::size_t> order;  // of the vertices of a push
   std::vector<double> values;
   for_each_push(at.time, [&](const Push& push) {
     const bool is_link = push.obstacle == Contact::between_pieces;
-    const std::size_t used = push.vertices.size(), nodes = is_link ? 8 : used;
-    vertices.assign(nodes, push.vertices.back());
-    std::ranges::copy(push.vertices, vertices.begin());
+    order.resize(push.vertices.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    if (order.size() > 8)
+      std::ranges::stable_sort(order, std::ranges::greater{},
+                               [&](std::size_t i) { return std::abs(push.weights[i]); });
+    const std::size_t used = std::min<std::size_t>(order.size(), 8), nodes = is_link ? 8 : used;
+    vertices.assign(nodes, push.vertices[order[used - 1]]);
+    for (std::size_t i = 0; i < used; ++i) vertices[i] = push.vertices[order[i]];
     values.assign(9 * nodes * nodes * 8, 0);  // one of 8 cells
     for (std::size_t column = 0; column < 3 * used; ++column) {
       Vec3 d{};
-      d[column % 3] = dx * push.weights[column / 3];
+      d[column % 3] = dx * push.weights[order[column / 3]];
       const Vec3 f = push.tangent(d);
       for (std::size_t r = 0; r < 3 * used; ++r)
-        values[(column * 3 * nodes + r) * 8] = push.weights[r / 3] * f[r % 3];
+        values[(column * 3 * nodes + r) * 8] = push.weights[order[r / 3]] * f[r % 3];
     }
     visit(
         {1, static_cast<Index>(nodes), vertices.data(), values.data(), is_link ? link_functor : 0});
@@ -287,40 +292,10 @@ void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at
 
 // --------------------------------------------------------------------- pairs --
 
-/// The stiffness of springs in series: 1 / k = sum w^2 / k_v over the vertices that move.
-double MultiplierForces::stiffness_of_pair(const std::array<Index, 5>& vertices,
-                                           const std::array<double, 5>& weights) const {
-  double compliance = 0;
-  for (std::size_t i = 0; i < 5; ++i)
-    if (static_cast<int>(attributes_.fixed().rows()[vertices[i]]) != all_held)
-      compliance += weights[i] * weights[i] / stiffness_[vertices[i]];
-  return 1 / compliance;
-}
-
-/// At the current positions. None where constraints hold both sides.
-MultiplierForces::Pairs MultiplierForces::find_pairs(double time) {
-  Pairs pairs;
-  PieceContact* pieces = contact_.pieces();
-  if (!pieces) return pairs;
-  find_stiffness(time);
-  const double* x = attributes_.position().rows();
-  found_at_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
-  pieces->begin(1, 1, attributes_.kernel(0).cells.live());
-  for (const PieceContact::Touch& touch : pieces->touches())
-    if (touch.mass > 0)
-      pairs.push_back({{},
-                       touch.vertices,
-                       touch.weights,
-                       touch.normal,
-                       stiffness_of_pair(touch.vertices, touch.weights),
-                       touch.mass});
-  return pairs;
-}
-
 /// The way of the vertex from the face, or of the first edge from the second one.
 Vec3 MultiplierForces::offset_of(const Pair& pair) const {
   Vec3 sum{};
-  for (std::size_t i = 0; i < 5; ++i)
+  for (std::size_t i = 0; i < pair.vertices.size(); ++i)
     sum = plus(sum, scaled(pair.weights[i], row(attributes_.position().rows(), pair.vertices[i])));
   return sum;
 }
@@ -330,9 +305,7 @@ Vec3 MultiplierForces::offset_of(const Pair& pair) const {
 /// is found: contacts with a force stay. Returns by how much contacts change, m: gaps, the way of
 /// the point where they act, and what the force of those that end pushed in.
 double MultiplierForces::take_over(Pairs found) {
-  const auto is_before = [](const Pair& a, const Pair& b) {
-    return is_found_before(a.vertices, b.vertices);
-  };
+  const auto is_before = [](const Pair& a, const Pair& b) { return is_found_before(a.key, b.key); };
   const auto stays = [&](const Pair& pair) {
     const Vec3 way = minus(along_surface(offset_of(pair), pair.normal), pair.beside);
     return norm(way) < kept_within * contact_.mean_edge();
@@ -348,7 +321,7 @@ double MultiplierForces::take_over(Pairs found) {
     for (std::size_t i = first; i < pairs_.size() && !is_before(pair, pairs_[i]); ++i) {
       Pair& before = pairs_[i];
       if (before.pressure == 0 || dot(before.normal, pair.normal) < same_direction) continue;
-      if (before.vertices != pair.vertices && stays(before)) continue;
+      if (before.key != pair.key && stays(before)) continue;
       static_cast<Multiplier&>(pair) = std::exchange(static_cast<Multiplier&>(before), {});
       largest = std::max({largest, gap, norm(minus(offset, offset_of(before)))});
       break;
@@ -364,21 +337,6 @@ double MultiplierForces::take_over(Pairs found) {
   std::ranges::stable_sort(found, is_before);
   pairs_ = std::move(found);
   return largest;
-}
-
-/// Nothing may pass another piece between two searches for contacts.
-void MultiplierForces::refuse_long_ways(double time) const {
-  if (!contact_.pieces()) return;
-  const auto missed =
-      find_missed_approach(contact_.surface(), found_at_.data(), attributes_.position().rows(),
-                           contact_.mean_edge(), PieceContact::max_depth * contact_.mean_edge());
-  if (!missed) return;
-  std::ostringstream text;
-  text << "pieces or lips may have passed through each other at " << time_text(time)
-       << ": in one step, places of the surface within " << missed->distance
-       << " m of each other move by up to " << missed->way
-       << " m relative to each other, and contact is found up to " << missed->allowed << " m";
-  throw NumericalError(text.str());
 }
 
 // --------------------------------------------------------------------- steps --
@@ -493,6 +451,7 @@ void MultiplierForces::follow(const CellComplex& complex, const TopologyChange&)
       pair.beside[0] = std::numeric_limits<double>::infinity();
   }
   start_.clear();
+  found_at_.clear();
   forget_last();
 }
 

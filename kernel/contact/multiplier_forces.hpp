@@ -66,8 +66,8 @@ namespace suture {
 
 /// Contact as forces with a tangent, for equations that are solved by Newton's method: implicit
 /// steps and equilibria. By an augmented Lagrangian (Simo and Laursen, Comput. Struct. 42 (1992)
-/// 97) at each vertex of an obstacle and each contact of PieceContact, with the gap g and the
-/// sliding s since the start of the step, whose multipliers l and t converge to the forces:
+/// 97) at each vertex of an obstacle and each contact of PieceContact or PointPairs, with the gap g
+/// and the sliding s since the start of the step, whose multipliers l and t converge to the forces:
 ///   p = max(0, l - k g),   q = t - k s,   |q| <= mu p,   f = p n + q
 /// When the equations are solved, update() sets l = p and t = q, and they are solved again, until
 /// gaps and sliding where it holds are below `tolerance` of an edge. So the stiffness k, a multiple
@@ -121,10 +121,11 @@ class MultiplierForces final : public ContactTerm,
     Vec3 friction{};      ///< N
   };
   using OfObstacles = std::vector<std::vector<Multiplier>>;  ///< by obstacle and ContactPoint
-  /// A contact of PieceContact.
+  /// A contact of PieceContact or of PointPairs.
   struct Pair : Multiplier {
-    std::array<Index, 5> vertices{};
-    std::array<double, 5> weights{};
+    std::array<Index, 5> key{};  ///< the vertices of the former, the point of the latter
+    std::vector<Index> vertices{};
+    std::vector<double> weights{};
     Vec3 normal{};
     double stiffness = 0;   ///< of the body, N/m
     double mass = 0;        ///< that an impulse along the normal moves, kg
@@ -167,8 +168,9 @@ class MultiplierForces final : public ContactTerm,
   void add_friction(Push& push, double coefficient, const Vec3& way) const;
   bool has_force(Push& push) const;
   void resize();
-  double stiffness_of_pair(const std::array<Index, 5>& vertices,
-                           const std::array<double, 5>& weights) const;
+  Pair pair_of(const std::array<Index, 5>& key, const ContactPoint& offset, const Vec3& normal,
+               double mass) const;
+  static void state_of(Archive& archive, Pairs& pairs);
   void improve(double time);
   Pairs find_pairs(double time);
   Vec3 offset_of(const Pair& pair) const;
@@ -180,7 +182,7 @@ class MultiplierForces final : public ContactTerm,
   bool is_static_;
   OfObstacles of_obstacles_, accepted_of_obstacles_;
   Pairs pairs_, accepted_pairs_;
-  std::vector<double> found_at_;  ///< positions where the pairs were found, rows of 4
+  std::vector<double> found_at_;  ///< Contact::places_now() where the pairs were found
   std::vector<double> start_;     ///< positions at the start of the step, rows of 4
   double start_time_ = 0;
   double support_ = 1;  ///< of its stiffness, what touches without a force has

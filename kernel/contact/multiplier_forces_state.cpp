@@ -1,9 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <string>
 
 #include "kernel/contact/multiplier_forces.hpp"
 
 namespace suture {
+
+void MultiplierForces::state_of(Archive& archive, Pairs& pairs) {
+  std::vector<Index> ends, vertices;
+  std::vector<double> weights;
+  for (const Pair& pair : pairs) {
+    vertices.insert(vertices.end(), pair.vertices.begin(), pair.vertices.end());
+    weights.insert(weights.end(), pair.weights.begin(), pair.weights.end());
+    ends.push_back(static_cast<Index>(vertices.size()));
+  }
+  archive.member("touching", pairs, &Pair::key);
+  archive("ends", ends);
+  archive("vertices", vertices);
+  archive("weights", weights);
+  archive.member("normals", pairs, &Pair::normal);
+  archive.member("beside", pairs, &Pair::beside);
+  archive.member("stiffnesses", pairs, &Pair::stiffness);
+  archive.member("masses", pairs, &Pair::mass);
+  archive.member("pressures", pairs, &Pair::pressure);
+  archive.member("friction", pairs, &Pair::friction);
+  if (!archive.loads()) return;
+  archive.require(ends.size() == pairs.size() && vertices.size() == weights.size() &&
+                      std::ranges::is_sorted(ends) &&
+                      (ends.empty() ? 0 : ends.back()) == vertices.size(),
+                  "contacts without vertices, or the reverse");
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto first = std::ptrdiff_t(i == 0 ? 0 : ends[i - 1]), end = std::ptrdiff_t(ends[i]);
+    pairs[i].vertices.assign(vertices.begin() + first, vertices.begin() + end);
+    pairs[i].weights.assign(weights.begin() + first, weights.begin() + end);
+  }
+}
 
 void MultiplierForces::state(Archive& archive) {
   if (archive.has_cells()) archive("stiffness", stiffness_);
@@ -12,14 +43,7 @@ void MultiplierForces::state(Archive& archive) {
     archive.member(("pressures " + std::to_string(i)).c_str(), of, &Multiplier::pressure);
     archive.member(("friction " + std::to_string(i)).c_str(), of, &Multiplier::friction);
   }
-  archive.member("touching", accepted_pairs_, &Pair::vertices);
-  archive.member("weights", accepted_pairs_, &Pair::weights);
-  archive.member("normals", accepted_pairs_, &Pair::normal);
-  archive.member("beside", accepted_pairs_, &Pair::beside);
-  archive.member("stiffnesses", accepted_pairs_, &Pair::stiffness);
-  archive.member("masses", accepted_pairs_, &Pair::mass);
-  archive.member("pressures", accepted_pairs_, &Pair::pressure);
-  archive.member("friction", accepted_pairs_, &Pair::friction);
+  state_of(archive, accepted_pairs_);
   archive("bounds stay", accepted_bounds_stay_);
   archive("start", start_);
   archive("start time", start_time_);

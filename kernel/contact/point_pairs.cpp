@@ -52,7 +52,7 @@ bool PointPairs::has_moved() const {
 }
 
 void PointPairs::find_near() {
-  const double reach = (max_depth + skin) * edge_;
+  const double reach = (max_depth_ + skin) * edge_;
   searched_at_.clear();
   std::vector<PlaceGrid::Entry> entries;
   for (Index p = 0; p < points_.size(); ++p) {
@@ -105,7 +105,7 @@ void PointPairs::find_normals() {
 void PointPairs::add_nearest(std::span<const Near> of_point) {
   const Index p = of_point.front().point;
   const Vec3 at = place(p);
-  double least = max_depth * edge_;
+  double least = max_depth_ * edge_;
   Index nearest = none;
   Vec3 weights{}, towards{};
   for (const auto& [point, triangle] : of_point) {
@@ -133,7 +133,7 @@ void PointPairs::add_nearest(std::span<const Near> of_point) {
     if (weights[i] != 0) add(points_.triangles()[nearest][i], -weights[i]);
   double lever = 0;
   for (std::size_t i = first; i < weights_.size(); ++i) lever += std::abs(weights_[i]) / 2;
-  if (lever >= least_lever) return pairs_.push_back({first, vertices_.size(), towards, lever});
+  if (lever >= least_lever) return pairs_.push_back({first, vertices_.size(), p, towards, lever});
   vertices_.resize(first);
   weights_.resize(first);
 }
@@ -156,7 +156,7 @@ void PointPairs::add(Index point, double weight) {
 
 PointPairs::Change PointPairs::change(std::size_t i, const Vec3& offset, const Vec3& velocity,
                                       unsigned fixed, double dt) const {
-  const auto& [first, end, normal, lever] = pairs_[i];
+  const auto& [first, end, point, normal, lever] = pairs_[i];
   const double gap = dot(normal, offset), speed = dot(normal, velocity), before = gap - dt * speed;
   const double target =
       before < 0 ? before + std::min(-recovered * before, max_recovery * lever * edge_) : 0;

@@ -35,6 +35,8 @@ class PointPairs {
         options_(options),
         edge_(edge) {}
 
+  /// How deep a point may be behind a triangle if it touches it, in edges; 0.1 at first.
+  void set_depth(double depth) { max_depth_ = depth; }
   /// Call after an operation, and after loading a state.
   void follow() { is_stale_ = true; }
   /// False if there is one piece without lips that does not touch itself; after find().
@@ -46,10 +48,14 @@ class PointPairs {
   std::size_t size() const { return pairs_.size(); }
   /// The offset of the point of pair i from its triangle.
   ContactPoint operator[](std::size_t i) const {
-    const auto& [first, end, normal, lever] = pairs_[i];
+    const auto& [first, end, point, normal, lever] = pairs_[i];
     return {static_cast<Index>(i), std::span(vertices_).subspan(first, end - first),
             std::span(weights_).subspan(first, end - first)};
   }
+
+  Index point(std::size_t i) const { return pairs_[i].point; }
+  const Vec3& normal(std::size_t i) const { return pairs_[i].normal; }
+  double friction() const { return options_.friction; }
 
   /// Changes of a relative velocity, m/s.
   struct Change {
@@ -61,10 +67,9 @@ class PointPairs {
                 double dt) const;
 
  private:
-  // In edges: how deep a point may be behind a triangle; how far things move before pairs are
-  // sought again; how far in front of a triangle and beside it a point may yet be pushed; rounding
-  // at rest.
-  static constexpr double max_depth = 0.1, skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
+  // In edges: how far things move before pairs are sought again; how far in front of a triangle and
+  // beside it a point may yet be pushed; rounding at rest.
+  static constexpr double skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
   /// In edges: what is farther apart at rest may touch although material is in between.
   static constexpr double far_apart = 2;
   /// Cosine of the angle of two normals above which their surfaces face the same way.
@@ -83,6 +88,7 @@ class PointPairs {
   };
   struct Pair {
     std::size_t first, end;  ///< in vertices_ and weights_
+    Index point;
     Vec3 normal;
     double lever;  ///< half the sum of the magnitudes of its weights; 1 without common vertices
   };
@@ -101,6 +107,7 @@ class PointPairs {
   const SurfacePoints& points_;
   const PieceContact::Options options_;
   const double edge_;
+  double max_depth_ = 0.1;
   bool is_stale_ = true, may_meet_ = false;
   // Since the last operation.
   std::vector<Index> piece_of_;  ///< by point

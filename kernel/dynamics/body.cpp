@@ -2,6 +2,7 @@
 #include "kernel/dynamics/body.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/contact/contact.hpp"
@@ -218,8 +219,16 @@ TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts,
   };
   for (const Index e : cloning.origins) add(e);
   for (const Dart d : cloning.cut) add(element_of(d));
-  vertices = sorted_once(std::move(vertices));
+  std::vector<std::pair<Index, Index>> equal;
+  for (const auto& [element, copy] : cloning.absorbed) {
+    const Index origin = cloning.origins[copy - complex().element_count()];
+    for (std::size_t n = 0; n < 8; ++n)
+      equal.emplace_back(complex().vertices_of(element)[n], complex().vertices_of(origin)[n]);
+    add(element);
+  }
+  vertices = equal.empty() ? sorted_once(std::move(vertices)) : around(std::move(vertices));
   TopologyChange done = change({vertices, false}, [&] {
+    attributes_.bring_together(equal);
     TopologyChange change = complex().clone_volume(cloning);
     attributes_.begin_copies(parts);
     is_cloned();
@@ -231,12 +240,19 @@ TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts,
 
 /// Vertices that meet move, and change the forces on all vertices of the elements around them.
 TopologyChange Body::sew(const std::vector<Seam>& seams) {
-  std::vector<Index> vertices, elements;
-  std::vector<Dart> star;
+  std::vector<Index> vertices;
   for (const Seam& seam : seams)
     for (const Dart side : {seam.one, seam.other})
       for (const auto node : suture_hexahedron_faces[local_face(side)])
         vertices.push_back(complex().vertices_of(element_of(side))[node]);
+  vertices = around(std::move(vertices));
+  return change({vertices, false}, [&] { return complex().sew(seams); });
+}
+
+/// Returns the vertices of all elements around some, each once.
+std::vector<Index> Body::around(std::vector<Index> vertices) const {
+  std::vector<Index> elements;
+  std::vector<Dart> star;
   sort_unique(vertices);
   for (const Index v : vertices) {
     star.clear();
@@ -248,8 +264,14 @@ TopologyChange Body::sew(const std::vector<Seam>& seams) {
     const Hexahedron& nodes = complex().vertices_of(e);
     vertices.insert(vertices.end(), nodes.begin(), nodes.end());
   }
-  vertices = sorted_once(std::move(vertices));
-  return change({vertices, false}, [&] { return complex().sew(seams); });
+  return sorted_once(std::move(vertices));
+}
+
+std::vector<Index> Body::origins() const {
+  std::vector<Index> origins(imported_elements());
+  std::iota(origins.begin(), origins.end(), Index{0});
+  origins.insert(origins.end(), copied_element_.begin(), copied_element_.end());
+  return origins;
 }
 
 const Islands& Body::islands() {

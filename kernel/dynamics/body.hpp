@@ -136,12 +136,15 @@ class Body {
   TopologyChange sew(const std::vector<Seam>& seams);
   /// Replaces elements by copies, whose material is given in their numbers. The energy that
   /// this adds is work of the operation; momentum, mass and kinetic energy do not change.
-  /// `is_cloned`: called when the map has the copies, before anything follows that may ask for
-  /// their material.
+  /// Where copies absorb other elements, their vertices first move to the mean places of both,
+  /// which conserves momentum. `is_cloned`: called when the map has the copies, before anything
+  /// follows that may ask for their material.
   TopologyChange clone_volume(const Cloning& cloning, const Parts& parts,
                               const std::function<void()>& is_cloned);
   /// The connected pieces, kept up to date through all operations after the first call.
   const Islands& islands();
+  /// The element of the mesh from which each element comes, in the numbers of the complex.
+  std::vector<Index> origins() const;
 
   /// Columns, terms and constraints; in a checkpoint, also the cells.
   void state(Archive& archive);
@@ -151,6 +154,7 @@ class Body {
   TopologyChange change(const ComingOperation& operation, Operate operate);
   void follow(const TopologyChange& change);
   void name_copies(std::span<const Index> imported);
+  std::vector<Index> around(std::vector<Index> vertices) const;
   void follow_copies(const TopologyChange& change);
   /// The number of elements of the mesh; copies follow.
   Index imported_elements() const {

@@ -131,6 +131,9 @@ class ContactLaw : public Follower {
   virtual void forget_sides() = 0;
   /// Call when pieces fell asleep or woke: what sleeps is not pushed, and the forces on it stay.
   virtual void change_sleepers(const LiveMask& moving) = 0;
+  /// Call after an edge that tissue resists has divided elements, whose copies begin at `first`.
+  /// Edges are numbered in the order of their events.
+  virtual void edge_divided(std::size_t edge, Index first) = 0;
   /// Boundary vertices within an edge of an obstacle that moves in the step of length dt from
   /// `time` on, or of a compliant one. O(boundary), if there are such obstacles.
   virtual std::vector<Index> near_moving_obstacles(double time, double dt) const = 0;

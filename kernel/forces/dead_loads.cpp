@@ -258,7 +258,9 @@ void DeadLoads::load_copies(Load& load, std::span<const Split> copies,
       const auto& [origin, copy] = *next;
       Corner part = corner;
       part.element = copy;
-      for (double& f : part.force) f *= parts.fraction(copy) / parts.fraction(origin);
+      // A copy that absorbs others takes what all of them have.
+      const double share = std::min(1.0, parts.fraction(copy) / parts.fraction(origin));
+      for (double& f : part.force) f *= share;
       load.corners.push_back(part);
     }
   }
@@ -269,7 +271,7 @@ void DeadLoads::follow(const CellComplex& complex, const TopologyChange& change)
   if (only_apart && change.splits[0].empty()) return;
   const RestPlaces rest = attributes_.rest_places(complex);
   for (Load& load : loads_) {
-    if (!change.copies.empty()) load_copies(load, change.copies, rest);
+    if (!change.copies.empty()) load_copies(load, change.successors(), rest);
     std::erase_if(load.corners, [&](const Corner& corner) {
       return !complex.exists(3, corner.element) ||
              (corner.face != none && !is_open(complex, corner.face));

@@ -232,7 +232,7 @@ void PressuresOn<Face>::follow(const CellComplex& complex, const TopologyChange&
   if (only_apart && change.splits[0].empty()) return;
   if (!change.copies.empty()) forget_last();
   for (Load& load : loads_) {
-    if (!change.copies.empty()) load_copies(load, complex, change.copies);
+    if (!change.copies.empty()) load_copies(load, complex, change.successors());
     std::size_t kept = 0;
     for (std::size_t i = 0; i < load.faces.size(); ++i) {
       if (!load.faces[i].exists(complex)) continue;

@@ -205,8 +205,8 @@ void SurfaceTree::descend(Index node, Search& search) const {
   if (far < search.squared_distance && !search.is_over()) descend(second, search);
 }
 
-Index SurfaceTree::nearest(const Vec3& place, Index start) const {
-  Search search{place, std::numeric_limits<double>::infinity()};
+Index SurfaceTree::nearest(const Vec3& place, Index start, double within) const {
+  Search search{place, within * within};
   examine({&start, 1}, search);
   descend(1, search);
   return search.found;

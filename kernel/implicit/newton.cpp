@@ -124,8 +124,9 @@ void Newton::set_remaining(double time) {
 
 // ---------------------------------------------------------------- directions --
 
-/// Solves A d = r - A d_p with d = d_p on prescribed components.
-LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance) {
+/// Solves A d = r - A d_p with d = d_p on prescribed components; with a clock as far as it allows.
+LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance,
+                                   StepClock* clock) {
   solver_.set_matrix(equations);
   const TangentMatrix& matrix = solver_.matrix();
   std::vector<double> right = residual_;
@@ -135,7 +136,8 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
     matrix.restrict(right);
   }
-  const LinearSolve solve = solver_.solve(right, direction_, tolerance);
+  const LinearSolve solve = clock ? solver_.solve_within(*clock, right, direction_, tolerance)
+                                  : solver_.solve(right, direction_, tolerance);
   for (std::size_t i = 0; i < remaining_.size(); ++i) direction_[i] += remaining_[i];
   if (relief_) relief_->remove_rigid_motion(direction_);
   return solve;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "kernel/base/error.hpp"
@@ -38,7 +39,11 @@ struct Piece {
   Index element;
   int side;  ///< 0: both
   DividedPart part;
-  SideTriangles triangles;
+  std::optional<SideTriangles> own_triangles;  ///< none: of a full element
+
+  const SideTriangles& triangles() const {
+    return own_triangles ? *own_triangles : SideTriangles::of_full_element();
+  }
 };
 
 /// Pieces that overlap at a face, and by how much.
@@ -46,9 +51,10 @@ struct Touch {
   std::size_t one, other;
   Dart dart, mate;  ///< of the sides at which they touch
   double area;
-  bool is_tied;                 ///< not joined before
-  unsigned side() const;        ///< of `one`, by place in cube_sides
-  unsigned other_side() const;  ///< of `other`
+  bool one_is_covered, other_is_covered;  ///< there, by the other
+  bool is_tied;                           ///< not joined before
+  unsigned side() const;                  ///< of `one`, by place in cube_sides
+  unsigned other_side() const;            ///< of `other`
 };
 
 unsigned place_of_side(Dart side) { return side_with_face(local_face(side)); }
@@ -106,6 +112,7 @@ class Cutter {
     for (Index e = 0; e < complex_.element_count(); ++e) {
       if (!complex_.exists(3, e)) continue;
       const Hexahedron& nodes = complex_.vertices_of(e);
+      if (std::isnan(heights_[nodes[0]])) continue;  // far away, as below
       double low = heights_[nodes[0]], high = low, sum = 0;
       for (const Index v : nodes) {
         low = std::min(low, heights_[v]);
@@ -146,8 +153,8 @@ class Cutter {
     const Hexahedron& nodes = complex_.vertices_of(element);
     Material own;
     const Material& material = materials_.of(element, own);
-    std::vector<double> heights;
-    heights.reserve(material.points.size());
+    std::vector<double>& heights = point_heights_;
+    heights.clear();
     for (const Vec3& at : material.points) heights.push_back(height_at(nodes, at));
     side_[element] = static_cast<std::int8_t>(side_of(material, heights, tolerance_));
     if (side_[element] == 0 && blade_.has_divided(element, heights_)) {
@@ -156,7 +163,7 @@ class Cutter {
       side_[element] = high > -low ? 1 : -1;
     }
     if (side_[element] != 0) return;
-    std::vector<DividedPart> found = divide(material, heights, tolerance_);
+    std::vector<DividedPart> found = divider_.divide(material, heights, tolerance_);
     if (found.size() < 2 || !is_held(nodes, found)) return;
     const auto first = static_cast<Index>(pieces_.size());
     for (DividedPart& part : found) {
@@ -172,8 +179,8 @@ class Cutter {
   }
 
   void add_piece(Index element, int side, DividedPart part) {
-    SideTriangles triangles(part.material);
-    pieces_.push_back({element, side, std::move(part), std::move(triangles)});
+    Piece& piece = pieces_.emplace_back(Piece{element, side, std::move(part), {}});
+    piece.own_triangles.emplace(piece.part.material);
   }
 
   /// Whether the blade holds the whole section.
@@ -192,12 +199,9 @@ class Cutter {
     Range& range = pieces_of_[element];
     if (range.first == none) {
       range.first = static_cast<Index>(pieces_.size());
+      Piece& piece = pieces_.emplace_back(Piece{element, side_[element], {}, {}});
       Material own;
-      pieces_.push_back({element,
-                         side_[element],
-                         {},
-                         materials_.is_part(element) ? SideTriangles(materials_.of(element, own))
-                                                     : SideTriangles::of_full_element()});
+      if (materials_.is_part(element)) piece.own_triangles.emplace(materials_.of(element, own));
       range.last = range.first + 1;
     }
     return range;
@@ -243,14 +247,17 @@ class Cutter {
 
   void find_touches_at(Dart side, Dart mate, bool is_tied) {
     const Range here = pieces_of(element_of(side)), there = pieces_of(element_of(mate));
+    const unsigned here_side = place_of_side(side), there_side = place_of_side(mate);
     for (std::size_t one = here.first; one < here.last; ++one)
       for (std::size_t other = there.first; other < there.last; ++other) {
         const Piece &a = pieces_[one], &b = pieces_[other];
         if (a.side * b.side < 0) continue;
-        const auto mine = a.triangles[place_of_side(side)],
-                   theirs = b.triangles[place_of_side(mate)];
-        const double area = covered_area(mine, theirs) + covered_area(theirs, mine);
-        if (area > 0) touches_.push_back({one, other, side, mate, area, is_tied});
+        const auto mine = a.triangles()[here_side], theirs = b.triangles()[there_side];
+        const Covered here_covered = covered(mine, theirs), there_covered = covered(theirs, mine);
+        const double area = here_covered.area + there_covered.area;
+        if (area > 0)
+          touches_.push_back(
+              {one, other, side, mate, area, here_covered.is_all, there_covered.is_all, is_tied});
       }
   }
 
@@ -283,6 +290,7 @@ class Cutter {
 
   void number_copies(DisjointSets& sets) {
     copy_of_.assign(pieces_.size(), none);
+    reserve_copies();
     for (const Index e : divided_) {
       const Range range = pieces_of_[e];
       for (Index p = range.first; p < range.last; ++p) {
@@ -302,34 +310,55 @@ class Cutter {
     result_.divided = static_cast<Index>(divided_.size());
   }
 
+  void reserve_copies() {
+    std::size_t points = 0, tetrahedra = 0, triangles = 0;
+    for (const Piece& piece : pieces_) {
+      points += piece.part.material.points.size();
+      tetrahedra += piece.part.material.tetrahedra.size();
+      triangles += piece.part.material.triangles.size();
+    }
+    Parts& parts = result_.parts;
+    parts.points.reserve(points);
+    parts.tetrahedra.reserve(tetrahedra);
+    parts.triangles.reserve(triangles);
+    parts.is_cut.reserve(triangles);
+  }
+
   /// The parts of the copies of an element: each of all pieces that became one.
   void add_copies(Range range) {
     Parts& parts = result_.parts;
     for (Index p = range.first; p < range.last; ++p) {
       const Index copy = copy_of_[p];
       if (!parts.elements.empty() && parts.elements.back() >= copy) continue;
-      MomentSum sum;
-      bool is_united = false;
-      for (Index q = p; q < range.last; ++q) {
-        if (copy_of_[q] != copy) continue;
-        is_united = is_united || q != p;
-        add_material(copy, pieces_[q].part.material, sum);
-      }
       parts.elements.push_back(copy);
-      parts.moments.push_back(is_united ? sum.moments() : pieces_[p].part.moments);
+      parts.moments.push_back(moments_of(copy, p, range.last));
+      for (Index q = p; q < range.last; ++q)
+        if (copy_of_[q] == copy) add_material(copy, pieces_[q].part.material);
       parts.first.push_back(static_cast<Index>(parts.tetrahedra.size()));
     }
   }
 
-  void add_material(Index copy, const Material& material, MomentSum& sum) {
+  /// Together, the pieces from `first` to before `last` that became a copy; the first is one of
+  /// them.
+  PartMoments moments_of(Index copy, Index first, Index last) const {
+    if (std::count(&copy_of_[first], &copy_of_[first] + (last - first), copy) == 1)
+      return pieces_[first].part.moments;
+    MomentSum sum;
+    for (Index p = first; p < last; ++p) {
+      if (copy_of_[p] != copy) continue;
+      const std::vector<Vec3>& x = pieces_[p].part.material.points;
+      for (const auto& [a, b, c, d] : pieces_[p].part.material.tetrahedra)
+        sum.add({x[a], x[b], x[c], x[d]});
+    }
+    return sum.moments();
+  }
+
+  void add_material(Index copy, const Material& material) {
     Parts& parts = result_.parts;
     const auto first = static_cast<Index>(parts.points.size());
     for (const Vec3& at : material.points) parts.points.push_back({copy, at});
-    for (const auto& [a, b, c, d] : material.tetrahedra) {
+    for (const auto& [a, b, c, d] : material.tetrahedra)
       parts.tetrahedra.push_back({first + a, first + b, first + c, first + d});
-      const auto& x = material.points;
-      sum.add({x[a], x[b], x[c], x[d]});
-    }
     for (const auto& [a, b, c] : material.triangles)
       parts.triangles.push_back({first + a, first + b, first + c});
     parts.is_cut.insert(parts.is_cut.end(), material.is_cut.begin(), material.is_cut.end());
@@ -356,9 +385,20 @@ class Cutter {
         result_.ties.push_back({seam.other, seam.one});
       }
     }
+    std::vector<std::uint8_t> is_hidden(6 * pieces_.size());  // by what is joined there
+    const auto hide = [&](std::size_t piece, unsigned side, std::size_t other) {
+      if (is_divided(pieces_[piece].element) &&
+          joined[6 * sets.find(piece) + side] == copy_of_[other])
+        is_hidden[6 * piece + side] = 1;
+    };
+    for (const Touch& touch : touches_) {
+      if (touch.one_is_covered) hide(touch.one, touch.side(), touch.other);
+      if (touch.other_is_covered) hide(touch.other, touch.other_side(), touch.one);
+    }
     for (std::size_t p = 0; p < pieces_.size(); ++p)
       for (unsigned s = 0; s < cube_sides.size(); ++s)
-        if (const Index behind = joined[6 * sets.find(p) + s]; behind != none)
+        if (const Index behind = joined[6 * sets.find(p) + s];
+            behind != none && is_hidden[6 * p + s] == 0)
           show_uncovered(p, s, behind);
   }
 
@@ -383,11 +423,11 @@ class Cutter {
     const Range others = pieces_of_[element_before(behind)];
     const auto is_behind = [&](const SideTriangle& triangle) {
       for (Index q = others.first; q < others.last; ++q)
-        if (copy_of_[q] == behind && is_covered(triangle, pieces_[q].triangles[side ^ 1]))
+        if (copy_of_[q] == behind && is_covered(triangle, pieces_[q].triangles()[side ^ 1]))
           return true;
       return false;
     };
-    const auto own = pieces_[piece].triangles[side];
+    const auto own = pieces_[piece].triangles()[side];
     if (is_divided(element)) {
       for (const SideTriangle& triangle : own)
         if (!is_behind(triangle)) add_triangle(copy_of_[piece], triangle.places(cube_sides[side]));
@@ -395,7 +435,7 @@ class Cutter {
     }
     for (Index q = others.first; q < others.last; ++q) {
       if (copy_of_[q] == behind) continue;
-      for (const SideTriangle& triangle : pieces_[q].triangles[side ^ 1]) {
+      for (const SideTriangle& triangle : pieces_[q].triangles()[side ^ 1]) {
         if (!is_covered(triangle, own)) continue;
         const auto [a, b, c] = triangle.places(cube_sides[side]);
         add_triangle(element, {a, c, b});
@@ -441,7 +481,9 @@ class Cutter {
   double tolerance_ = 0;         ///< m
   std::vector<std::int8_t> side_;
   std::vector<Index> crossed_, divided_;
-  std::vector<Range> pieces_of_;  ///< by element
+  Divider divider_;
+  std::vector<double> point_heights_;  ///< of the element that is divided, by point
+  std::vector<Range> pieces_of_;       ///< by element
   std::vector<Piece> pieces_;
   std::vector<Touch> touches_;
   std::vector<Index> copy_of_;  ///< by piece: the copy, or the element that is left whole

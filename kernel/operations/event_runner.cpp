@@ -15,35 +15,11 @@
 #include "kernel/operations/match_faces.hpp"
 #include "kernel/operations/pierce_path.hpp"
 #include "kernel/operations/plane_patch.hpp"
+#include "kernel/operations/reunite.hpp"
+#include "kernel/operations/sew_embedded.hpp"
 #include "kernel/operations/swept_sheet.hpp"
 
 namespace suture {
-EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
-  faces_cut += other.faces_cut;
-  faces_torn += other.faces_torn;
-  faces_sewn += other.faces_sewn;
-  elements_removed += other.elements_removed;
-  elements_cut += other.elements_cut;
-  nodes_held += other.nodes_held;
-  nodes_released += other.nodes_released;
-  return *this;
-}
-
-std::string EventOutcome::text() const {
-  std::string text;
-  const auto add = [&](const char* verb, Index n, const char* what) {
-    if (n > 0) text += (text.empty() ? "" : ", ") + std::string(verb) + count_text(n, what);
-  };
-  add("cut ", elements_cut, "element");
-  add("cut ", faces_cut, "face");
-  add("tore ", faces_torn, "face");
-  add("sewed ", faces_sewn, "face");
-  add("removed ", elements_removed, "element");
-  add("grasped ", nodes_held, "node");
-  add("released ", nodes_released, "node");
-  return text;
-}
-
 // ------------------------------------------------------------ operations --
 
 /// One operation on its way: everything it needs, and an overload per kind.
@@ -79,7 +55,19 @@ struct EventRunner::Call {
       if (!runner.scene_.output.cuts) continue;
       for (const Dart d : {side, other}) runner.opened_.push_back({d, number, time});
     }
+    if (built.is_embedded()) open_sides(faces);
     return built.body().cut(faces).faces_cut;
+  }
+  /// Both sides of each belong to the cut.
+  void open_sides(const std::vector<Dart>& faces) const {
+    for (const Dart side : faces)
+      for (const Dart d : {side, built.body().complex().beta3(side)})
+        built.embedded_parts().open(d, cut_number());
+  }
+  /// Those of events that are not part of the scene follow.
+  Index cut_number() const {
+    return number != none ? number
+                          : static_cast<Index>(runner.scene_.events.size() + runner.applied_);
   }
   EventOutcome cut(const std::vector<Dart>& faces) const {
     if (faces.empty()) warn_once(" cut no face: the blade misses the body" + or_is_cut());
@@ -100,6 +88,7 @@ struct EventRunner::Call {
 
   EventOutcome cut_along_blade(const Blade& blade) const;
   EventOutcome cut_along_sheet() const;
+  EventOutcome cut_to(const std::vector<Vec3>& edge, double at, bool is_last) const;
   EventOutcome divide(const BladeCut& cut) const;
 
   EventOutcome operator()(const CutSurface&) const {
@@ -169,9 +158,11 @@ struct EventRunner::Call {
 
   EventOutcome operator()(const SewFaces& sew) const {
     EventOutcome outcome;
+    if (built.is_embedded()) outcome.elements_sewn = sew_divided(sew);
     const std::vector<Seam> seams = seams_of(sew);
     if (seams.empty()) {
-      if (!state.reported_misfits) warn_once(" sewed no face: " + why_none(sew));
+      if (!state.reported_misfits && !outcome.changed())
+        warn_once(" sewed no face: " + why_none(sew));
       return outcome;
     }
     const TopologyChange change = built.body().sew(seams);
@@ -181,6 +172,7 @@ struct EventRunner::Call {
     return outcome;
   }
 
+  Index sew_divided(const SewFaces& sew) const;
   std::vector<Seam> seams_of(const SewFaces& sew) const;
 
   std::vector<Seam> without_misfits(MatchedSeams matched) const;
@@ -205,21 +197,45 @@ struct EventRunner::Call {
 EventOutcome EventRunner::Call::cut_along_blade(const Blade& blade) const {
   const BladeCut cut =
       cut_along(built.body().complex(), built.parts(), shape(), blade, event.path + "/cut/along");
-  if (cut.empty()) warn_once(" cut no element: the blade misses the body" + or_is_cut());
+  if (cut.empty())
+    warn_once(
+        " cut no element: the blade misses the body, only touches it, or holds no "
+        "whole section of an element" +
+        or_is_cut());
   return divide(cut);
 }
 
-/// What a moving blade has swept is known at rest.
+/// In a step, a blade may go through the whole body.
 EventOutcome EventRunner::Call::cut_along_sheet() const {
   const MovingBlade& blade = *state.blade;
-  if (time < blade.begin() || !state.sheet->advance(blade.at(time), time, time >= blade.end()))
-    return {};
+  EventOutcome outcome;
+  if (time < blade.begin()) return outcome;
+  const double from = std::clamp(state.sheet->time(), blade.begin(), time),
+               to = std::max(from, std::min(time, blade.end()));
+  const int parts = state.sheet->rows_between(blade.at(from), blade.at(to));
+  for (int i = 1; i <= parts; ++i) {
+    const double at = i < parts ? from + (to - from) * i / parts : time;
+    const EventOutcome cut =
+        cut_to(blade.at(std::min(at, to)), at, i == parts && time >= blade.end());
+    outcome += cut;
+    outcome.faces.insert(outcome.faces.end(), cut.faces.begin(), cut.faces.end());
+  }
+  return outcome;
+}
+
+/// What a moving blade has swept is known at rest.
+EventOutcome EventRunner::Call::cut_to(const std::vector<Vec3>& edge, double at,
+                                       bool is_last) const {
+  if (!state.sheet->advance(edge, at, is_last)) return {};
   const BladeCut cut =
       cut_along(built.body().complex(), built.parts(), built.body().attributes().rest().rows(),
                 *state.sheet, event.path + "/cut/along", 4, state.sheet->ties());
   state.sheet->keep(cut.heights, cut.cloning.origins);
   state.sheet->ties() = cut.ties;
-  return divide(cut);
+  const Index first_copy = built.body().complex().element_count();
+  EventOutcome outcome = divide(cut);
+  if (state.edge) built.body().contact()->edge_divided(*state.edge, first_copy);
+  return outcome;
 }
 
 EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
@@ -229,16 +245,37 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
   outcome.elements_cut = cut.divided;
   for (const Dart side : cut.cloning.cut)
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
-  built.body().clone_volume(cut.cloning, cut.parts,
-                            [&] { built.embedded_parts().append(cut.parts, cut.cloning.origins); });
+  open_sides(cut.cloning.cut);
+  built.body().clone_volume(cut.cloning, cut.parts, [&] {
+    built.embedded_parts().append(cut.parts, cut.cloning.origins, cut_number());
+  });
   if (!cut.seams.empty()) built.body().sew(cut.seams);
   return outcome;
+}
+
+/// Elements that blades have divided become one again, where both sides are selected.
+Index EventRunner::Call::sew_divided(const SewFaces& sew) const {
+  if (!sew.element_pairs.empty()) return 0;  // of elements that are whole
+  Body& body = built.body();
+  const std::vector<std::vector<Index>> groups = EmbeddedSewing(sew, built).groups();
+  if (groups.empty()) return 0;
+  const Reunion reunion = reunite(body.complex(), built.parts(), body.user_vertex(), groups);
+  body.clone_volume(reunion.cloning, reunion.parts, [&] {
+    built.embedded_parts().close(reunion.joined);
+    built.embedded_parts().append(reunion.parts, reunion.cloning.origins);
+  });
+  SeamBatch batch(body.complex());
+  for (const Seam& seam : reunion.seams) batch.add(seam, naming());
+  if (!batch.seams().empty()) body.sew(batch.seams());
+  return static_cast<Index>(groups.size());
 }
 
 std::vector<Seam> EventRunner::Call::seams_of(const SewFaces& sew) const {
   const CellComplex& complex = built.body().complex();
   const double* rows = built.body().attributes().position().rows();
   const auto selected = [&](const Selection& s) { return built.selector().elements_now(s, rows); };
+  if (built.is_embedded() && sew.element_pairs.empty())
+    return without_misfits(EmbeddedSewing(sew, built).seams(naming()));
   if (sew.between) {
     return without_misfits(seams_within_gap(complex, rows, selected((*sew.between)[0]),
                                             selected((*sew.between)[1]), sew.gap, naming()));
@@ -311,7 +348,12 @@ EventOutcome EventRunner::Call::remove(const std::vector<Index>& elements,
 
 EventRunner::EventRunner(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
     : scene_(scene), built_(built), diagnostics_(diagnostics), removals_(scene, built) {
-  for (const Event& event : scene.events) states_.push_back(prepare(event));
+  std::size_t edges = 0;
+  for (const Event& event : scene.events) {
+    states_.push_back(prepare(event));
+    const auto* blade = std::get_if<CutBlade>(&event.what);
+    if (blade && blade->resistance) states_.back().edge = edges++;
+  }
   built.body().add_follower(*this);
 }
 
@@ -426,7 +468,9 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
         event.path +
         "/cut: a moving blade cannot be applied at one instant; add it to the scene as an event");
   State state = prepare(event);
-  return std::visit(Call{*this, event, none, time, state}, event.what);
+  const EventOutcome outcome = std::visit(Call{*this, event, none, time, state}, event.what);
+  ++applied_;
+  return outcome;
 }
 
 // A blade knows where the tissue was at its last step.
@@ -453,32 +497,10 @@ void EventRunner::finish() {
     if (states_[i].blade) {
       text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
                                          Places{built_.body().attributes().position().rows()},
-                                         built_.frame().origin);
+                                         built_.frame().origin, states_[i].sheet != nullptr);
     }
     diagnostics_.warn(text);
   }
-}
-
-std::vector<BladeShape> EventRunner::blades(double time) const {
-  std::vector<BladeShape> shapes;
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    const State& state = states_[i];
-    const auto number = static_cast<std::uint32_t>(i);
-    if (state.blade && state.blade->begin() <= time && time <= state.blade->end())
-      shapes.push_back({number, state.blade->at(time), {}});
-    const TriangleSurface* surface = state.surface ? &state.surface->surface()
-                                     : state.patch ? &state.patch->surface()
-                                                   : nullptr;
-    if (surface && (!state.has_fired || state.last >= time || scene_.events[i].every > 0))
-      shapes.push_back({number, surface->points, surface->triangles});
-  }
-  return shapes;
-}
-
-void OpenedFace::state(Archive& archive) {
-  archive("side", side);
-  archive("event", event);
-  archive("time", time);
 }
 
 void EventRunner::state(Archive& archive) {
@@ -494,6 +516,7 @@ void EventRunner::state(Archive& archive) {
   });
   archive("removals", removals_);
   archive.each("opened", opened_);
+  archive("applied", applied_);
 }
 
 }  // namespace suture

@@ -37,11 +37,12 @@ struct EventOutcome {
   Index faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
   Index nodes_held = 0, nodes_released = 0;
   Index elements_cut = 0;                     ///< along the blade
+  Index elements_sewn = 0;                    ///< that such cuts had divided
   std::vector<std::array<Index, 2>> faces{};  ///< the elements on both sides of each face
   std::vector<Index> removed{};               ///< elements
   bool changed() const {
-    return faces_cut + faces_torn + faces_sewn + elements_removed + elements_cut + nodes_held +
-               nodes_released >
+    return faces_cut + faces_torn + faces_sewn + elements_removed + elements_cut + elements_sewn +
+               nodes_held + nodes_released >
            0;
   }
   EventOutcome& operator+=(const EventOutcome& other);
@@ -84,6 +85,7 @@ class EventRunner : private Follower {
     std::unique_ptr<SurfacePatch> patch;  ///< instead, if the cut is along it
     std::unique_ptr<MovingBlade> blade;
     std::unique_ptr<SweptSheet> sheet;  ///< of the blade, if the cut is along it
+    std::optional<std::size_t> edge{};  ///< of the blade, if tissue resists it
     bool has_fired = false, had_effect = false;
     double last = 0;  ///< s, when it last fired
     bool reported_misfits = false;
@@ -103,6 +105,7 @@ class EventRunner : private Follower {
   RemovalWatch removals_;
   std::vector<State> states_;  ///< by event
   std::vector<OpenedFace> opened_;
+  std::uint32_t applied_ = 0;  ///< events that are not part of the scene
 };
 
 }  // namespace suture

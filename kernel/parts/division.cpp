@@ -2,6 +2,7 @@
 #include "kernel/parts/division.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -20,7 +21,7 @@ using Tetrahedron = std::array<Index, 4>;
 
 constexpr double smallest_part = 1e-13;
 
-int sign_of(double height, double tolerance) {
+std::int8_t sign_of(double height, double tolerance) {
   return height > tolerance ? 1 : height < -tolerance ? -1 : 0;
 }
 
@@ -40,13 +41,25 @@ struct Fragment {
   int side;
 };
 
+/// Face 4 f + i is face i of fragment f.
+Triangle points_of(const std::vector<Fragment>& fragments, Index face) {
+  const Tetrahedron& corners = fragments[face / 4].corners;
+  const auto& [a, b, c] = tetrahedron_faces[face % 4];
+  return {corners[a], corners[b], corners[c]};
+}
+
+}  // namespace
+
 /// Clips tetrahedra. New points are on the edges of old ones.
-class Clipping {
+class Divider::Clipping {
  public:
-  Clipping(const Material& material, const std::vector<double>& heights, double tolerance)
-      : points(material.points), old_points_(points.size()), heights_(heights) {
-    points.reserve(2 * points.size() + 16);
-    fragments.reserve(4 * material.tetrahedra.size());
+  void clip(const Material& material, std::span<const double> heights, double tolerance) {
+    points = material.points;
+    old_points_ = static_cast<Index>(points.size());
+    heights_ = heights;
+    fragments.clear();
+    signs_.clear();
+    crossings_.clear();
     for (const double height : heights) signs_.push_back(sign_of(height, tolerance));
     for (Index t = 0; t < material.tetrahedra.size(); ++t) clip(material.tetrahedra[t], t);
   }
@@ -166,50 +179,70 @@ class Clipping {
     return static_cast<Index>(points.size() - 1);
   }
 
-  Index old_points_;
-  const std::vector<double>& heights_;
-  std::vector<int> signs_;
+  Index old_points_ = 0;
+  std::span<const double> heights_;
+  std::vector<std::int8_t> signs_;
   std::vector<Crossing> crossings_;
   Index parent_ = 0;
   int side_ = 0;
 };
 
-/// A face of a fragment. Its key stands for its points, of which there are fewer than 2^21.
-struct FragmentFace {
-  std::uint64_t key;
-  Index fragment;
-  unsigned face;
+/// Finds which faces of fragments lie at the same points. Face i of fragment f has the number
+/// 4 f + i.
+class Divider::FacePairs {
+ public:
+  void find(const std::vector<Fragment>& fragments) {
+    mates_.assign(4 * fragments.size(), none);
+    table_.assign(std::bit_ceil(2 * mates_.size()), {});
+    for (Index face = 0; face < mates_.size(); ++face) {
+      Slot& slot = slot_of(key_of(points_of(fragments, face)));
+      if (slot.face == none) {
+        slot.face = face;
+      } else {
+        mates_[face] = slot.face;
+        mates_[slot.face] = face;
+      }
+    }
+  }
+  /// The other face at the same points, or none.
+  Index mate(Index face) const { return mates_[face]; }
+
+ private:
+  struct Slot {
+    std::uint64_t key = 0;
+    Index face = none;
+  };
+
+  /// It stands for the points, of which there are fewer than 2^21.
+  static std::uint64_t key_of(Triangle points) {
+    auto& [low, middle, high] = points;
+    if (middle < low) std::swap(low, middle);
+    if (high < middle) std::swap(middle, high);
+    if (middle < low) std::swap(low, middle);
+    return low | std::uint64_t{middle} << 21 | std::uint64_t{high} << 42;
+  }
+  /// That of the key, or an empty one that becomes its own.
+  Slot& slot_of(std::uint64_t key) {
+    const std::uint64_t hash = key * 0x9E3779B97F4A7C15u;
+    for (std::size_t i = hash ^ hash >> 32;; ++i) {
+      Slot& slot = table_[i & (table_.size() - 1)];
+      if (slot.face != none && slot.key != key) continue;
+      slot.key = key;
+      return slot;
+    }
+  }
+
+  std::vector<Index> mates_;
+  std::vector<Slot> table_;
 };
 
-Triangle points_of(const Fragment& fragment, unsigned face) {
-  const auto& [a, b, c] = tetrahedron_faces[face];
-  return {fragment.corners[a], fragment.corners[b], fragment.corners[c]};
-}
-
-std::vector<FragmentFace> faces_of(const std::vector<Fragment>& fragments) {
-  std::vector<FragmentFace> faces;
-  faces.reserve(4 * fragments.size());
-  for (Index f = 0; f < fragments.size(); ++f)
-    for (unsigned i = 0; i < 4; ++i) {
-      auto [low, middle, high] = points_of(fragments[f], i);
-      if (middle < low) std::swap(low, middle);
-      if (high < middle) std::swap(middle, high);
-      if (middle < low) std::swap(low, middle);
-      faces.push_back({low | std::uint64_t{middle} << 21 | std::uint64_t{high} << 42, f, i});
-    }
-  std::ranges::sort(faces, {}, &FragmentFace::key);
-  return faces;
-}
-
-bool is_on_side(const std::vector<Vec3>& points, const Triangle& corners) {
-  return (sides_at(points[corners[0]]) & sides_at(points[corners[1]]) &
-          sides_at(points[corners[2]])) != 0;
-}
+namespace {
 
 /// The triangles of the material before, by their points in ascending order.
 class OldSurface {
  public:
-  explicit OldSurface(const Material& material) {
+  void take(const Material& material) {
+    triangles_.clear();
     for (std::size_t t = 0; t < material.triangles.size(); ++t) {
       Triangle points = material.triangles[t];
       std::ranges::sort(points);
@@ -217,6 +250,7 @@ class OldSurface {
     }
     std::ranges::sort(triangles_, {}, &Marked::points);
   }
+  bool empty() const { return triangles_.empty(); }
   /// Whether a blade made the triangle.
   bool is_cut(Triangle points) const {
     std::ranges::sort(points);
@@ -232,24 +266,26 @@ class OldSurface {
   std::vector<Marked> triangles_;
 };
 
-/// Collects the fragments of parts, which number their points themselves.
-class PartBuilder {
- public:
-  PartBuilder(const Material& material, const Clipping& clipping)
-      : material_(material), clipping_(clipping), old_surface_(material) {}
+}  // namespace
 
-  std::vector<DividedPart> build() {
-    const std::vector<FragmentFace> faces = faces_of(clipping_.fragments);
+/// Collects the fragments of parts, which number their points themselves.
+class Divider::PartBuilder {
+ public:
+  std::vector<DividedPart> build(const Material& material, const Clipping& clipping,
+                                 const FacePairs& faces) {
+    material_ = &material;
+    clipping_ = &clipping;
+    old_surface_.take(material);
+    sides_.clear();
+    for (const Vec3& point : clipping.points) sides_.push_back(sides_at(point));
     find_parts(faces);
-    for (Index f = 0; f < clipping_.fragments.size(); ++f) add_fragment(f);
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      const bool follows = i > 0 && faces[i - 1].key == faces[i].key;
-      const bool is_followed = i + 1 < faces.size() && faces[i + 1].key == faces[i].key;
-      if (follows || is_followed) {
-        const FragmentFace& other = faces[follows ? i - 1 : i + 1];
-        if (side(faces[i]) != side(other)) add_triangle(faces[i], true);
-      } else if (!is_on_side(clipping_.points, points_of(faces[i]))) {
-        add_triangle(faces[i], was_cut(faces[i]));
+    for (Index f = 0; f < clipping.fragments.size(); ++f) add_fragment(f);
+    for (Index face = 0; face < 4 * clipping.fragments.size(); ++face) {
+      const Index mate = faces.mate(face);
+      if (mate != none) {
+        if (side(face) != side(mate)) add_triangle(face, true);
+      } else if (!is_on_side(face)) {
+        add_triangle(face, was_cut(face));
       }
     }
     std::erase_if(parts_, [](const DividedPart& p) { return !(p.moments.fraction > 0); });
@@ -257,62 +293,67 @@ class PartBuilder {
   }
 
  private:
-  int side(const FragmentFace& face) const { return clipping_.fragments[face.fragment].side; }
-  Triangle points_of(const FragmentFace& face) const {
-    return suture::points_of(clipping_.fragments[face.fragment], face.face);
+  const Fragment& fragment(Index face) const { return clipping_->fragments[face / 4]; }
+  int side(Index face) const { return fragment(face).side; }
+  Triangle points_of(Index face) const { return suture::points_of(clipping_->fragments, face); }
+  bool is_on_side(Index face) const {
+    const Triangle points = points_of(face);
+    return (sides_[points[0]] & sides_[points[1]] & sides_[points[2]]) != 0;
   }
 
-  void find_parts(const std::vector<FragmentFace>& faces) {
-    DisjointSets sets(clipping_.fragments.size());
-    for (std::size_t i = 1; i < faces.size(); ++i)
-      if (faces[i].key == faces[i - 1].key && side(faces[i]) == side(faces[i - 1]))
-        sets.unite(faces[i].fragment, faces[i - 1].fragment);
-    std::vector<MomentSum> sums;
-    for (std::size_t f = 0; f < clipping_.fragments.size(); ++f) {
+  void find_parts(const FacePairs& faces) {
+    const auto& fragments = clipping_->fragments;
+    DisjointSets sets(fragments.size());
+    for (Index face = 0; face < 4 * fragments.size(); ++face)
+      if (const Index mate = faces.mate(face); mate < face && side(face) == side(mate))
+        sets.unite(face / 4, mate / 4);
+    parts_.clear();
+    part_of_.clear();
+    sums_.clear();
+    for (std::size_t f = 0; f < fragments.size(); ++f) {
       const std::size_t first = sets.find(f);
       if (first == f) {
         part_of_.push_back(parts_.size());
-        parts_.emplace_back().side = clipping_.fragments[f].side;
-        sums.emplace_back();
+        parts_.emplace_back().side = fragments[f].side;
+        sums_.emplace_back();
       } else {
-        part_of_.push_back(part_of_[first]);
+        part_of_.push_back(std::size_t{part_of_[first]});
       }
       std::array<Vec3, 4> places;
-      for (std::size_t i = 0; i < 4; ++i)
-        places[i] = clipping_.points[clipping_.fragments[f].corners[i]];
-      sums[part_of_[f]].add(places);
+      for (std::size_t i = 0; i < 4; ++i) places[i] = clipping_->points[fragments[f].corners[i]];
+      sums_[part_of_[f]].add(places);
     }
     for (std::size_t p = 0; p < parts_.size(); ++p) {
-      parts_[p].moments = sums[p].moments();
+      parts_[p].moments = sums_[p].moments();
       if (!(parts_[p].moments.fraction >= smallest_part)) parts_[p].moments.fraction = 0;
     }
-    number_of_.assign(parts_.size() * clipping_.points.size(), none);
+    number_of_.assign(parts_.size() * clipping_->points.size(), none);
     for (DividedPart& part : parts_) {
-      part.material.points.reserve(clipping_.points.size());
-      part.material.tetrahedra.reserve(clipping_.fragments.size());
-      part.material.triangles.reserve(clipping_.fragments.size());
-      part.material.is_cut.reserve(clipping_.fragments.size());
+      part.material.points.reserve(clipping_->points.size());
+      part.material.tetrahedra.reserve(fragments.size());
+      part.material.triangles.reserve(fragments.size());
+      part.material.is_cut.reserve(fragments.size());
     }
   }
 
   Index number(std::size_t part, Index point) {
-    Index& number = number_of_[part * clipping_.points.size() + point];
+    Index& number = number_of_[part * clipping_->points.size() + point];
     std::vector<Vec3>& points = parts_[part].material.points;
     if (number == none) {
       number = static_cast<Index>(points.size());
-      points.push_back(clipping_.points[point]);
+      points.push_back(clipping_->points[point]);
     }
     return number;
   }
 
   void add_fragment(Index f) {
-    Tetrahedron corners = clipping_.fragments[f].corners;
+    Tetrahedron corners = clipping_->fragments[f].corners;
     for (Index& p : corners) p = number(part_of_[f], p);
     parts_[part_of_[f]].material.tetrahedra.push_back(corners);
   }
 
-  void add_triangle(const FragmentFace& face, bool is_cut) {
-    const std::size_t part = part_of_[face.fragment];
+  void add_triangle(Index face, bool is_cut) {
+    const std::size_t part = part_of_[face / 4];
     Material& material = parts_[part].material;
     Triangle corners = points_of(face);
     for (Index& p : corners) p = number(part, p);
@@ -322,10 +363,11 @@ class PartBuilder {
 
   /// Whether a face on the surface of the material before was made by a blade: it is a piece of a
   /// face of the fragment's parent.
-  bool was_cut(const FragmentFace& face) const {
-    const Tetrahedron& parent = material_.tetrahedra[clipping_.fragments[face.fragment].parent];
+  bool was_cut(Index face) const {
+    if (old_surface_.empty()) return false;
+    const Tetrahedron& parent = material_->tetrahedra[fragment(face).parent];
     unsigned support = 0;
-    for (const Index p : points_of(face)) support |= clipping_.support(p, parent);
+    for (const Index p : points_of(face)) support |= clipping_->support(p, parent);
     Triangle points{};
     std::size_t n = 0;
     for (unsigned i = 0; i < 4 && n < 3; ++i)
@@ -333,15 +375,15 @@ class PartBuilder {
     return old_surface_.is_cut(points);
   }
 
-  const Material& material_;
-  const Clipping& clipping_;
+  const Material* material_ = nullptr;
+  const Clipping* clipping_ = nullptr;
   OldSurface old_surface_;
+  std::vector<std::uint8_t> sides_;  ///< of the cube, by point
   std::vector<DividedPart> parts_;
+  std::vector<MomentSum> sums_;       ///< by part
   std::vector<std::size_t> part_of_;  ///< by fragment
   std::vector<Index> number_of_;      ///< by part and point
 };
-
-}  // namespace
 
 const Material& Material::full_element() {
   static const Material full = [] {
@@ -365,10 +407,17 @@ int side_of(const Material& material, const std::vector<double>& heights, double
   return std::accumulate(heights.begin(), heights.end(), 0.0) < 0 ? -1 : 1;
 }
 
-std::vector<DividedPart> divide(const Material& material, const std::vector<double>& heights,
-                                double tolerance) {
-  const Clipping clipping(material, heights, tolerance);
-  return PartBuilder(material, clipping).build();
+Divider::Divider()
+    : clipping_(std::make_unique<Clipping>()),
+      faces_(std::make_unique<FacePairs>()),
+      parts_(std::make_unique<PartBuilder>()) {}
+Divider::~Divider() = default;
+
+std::vector<DividedPart> Divider::divide(const Material& material,
+                                         const std::vector<double>& heights, double tolerance) {
+  clipping_->clip(material, heights, tolerance);
+  faces_->find(clipping_->fragments);
+  return parts_->build(material, *clipping_, *faces_);
 }
 
 }  // namespace suture

@@ -5,98 +5,125 @@
 #include <bit>
 #include <cstdint>
 #include <numeric>
-#include <unordered_map>
+#include <utility>
 
 #include "kernel/parts/cube_sides.hpp"
 
 namespace suture {
 namespace {
 
-/// The nodes on which a point depends and their weights, ascending; unused places are `none`.
-/// Points on edges and faces are the same if these are; one within an element depends on all eight
-/// nodes, and is alone.
-using Support = std::array<std::pair<Index, double>, 4>;
-
-Support support_of(const EmbeddedPoint& point, const CellComplex& complex) {
-  Support support;
-  support.fill({none, 0});
-  const std::array<double, 8> weights = trilinear_weights(point.at);
-  if (std::ranges::count(weights, 0.0) < 4) return support;
-  std::size_t used = 0;
-  for (std::size_t n = 0; n < 8; ++n)
-    if (weights[n] != 0) support[used++] = {complex.vertices_of(point.element)[n], weights[n]};
-  std::ranges::sort(support);
-  return support;
-}
-
-struct HashOfSupport {
-  std::size_t operator()(const Support& support) const {
-    std::uint64_t hash = 0;
-    for (const auto& [vertex, weight] : support)
-      hash = (hash ^ vertex ^ std::bit_cast<std::uint64_t>(weight)) * 0x9E3779B97F4A7C15u;
-    return hash ^ hash >> 32;
-  }
-};
-
-/// Joins points that have the same support, and numbers them in the order of their first.
+/// Collects points. Those on edges and faces of elements are the same if the vertices on which they
+/// depend and their weights are; one within an element depends on all eight nodes, and is alone.
 class Welding {
  public:
-  explicit Welding(const CellComplex& complex) : complex_(complex) {}
+  Welding(const CellComplex& complex, std::size_t expected, EmbeddedPoints& out)
+      : complex_(complex),
+        out_(out),
+        number_of_(complex.count(0), none),
+        table_(std::bit_ceil(2 * expected + 2), none) {
+    out.first.reserve(expected + 1);
+    out.vertices.reserve(4 * expected);
+    out.weights.reserve(4 * expected);
+  }
 
-  /// Returns the number by which place() knows the point.
+  /// Returns the number of the point, which is new or not.
   Index add(const EmbeddedPoint& point) {
-    points_.push_back(point);
-    return static_cast<Index>(points_.size() - 1);
-  }
-
-  EmbeddedPoints weld() {
-    EmbeddedPoints welded;
-    std::unordered_map<Support, Index, HashOfSupport> known(points_.size());
-    place_.reserve(points_.size());
-    for (const EmbeddedPoint& point : points_) {
-      const Support support = support_of(point, complex_);
-      const auto number = static_cast<Index>(welded.size());
-      const bool is_alone = support[0].first == none;
-      place_.push_back(is_alone ? number : known.try_emplace(support, number).first->second);
-      if (place_.back() == number) add_to(welded, point);
+    const std::array<double, 8> weights = trilinear_weights(point.at);
+    const Hexahedron& nodes = complex_.vertices_of(point.element);
+    for (std::size_t n = 0; n < 8; ++n) {
+      if (weights[n] == 0) continue;
+      out_.vertices.push_back(nodes[n]);
+      out_.weights.push_back(weights[n]);
     }
-    return welded;
+    const std::size_t used = out_.vertices.size() - out_.first.back();
+    return used == 1   ? finish(number_of_[out_.vertices.back()])
+           : used == 8 ? finish()
+                       : finish(place_of_last());
   }
-
-  /// After weld().
-  template <std::size_t N>
-  void replace(std::vector<std::array<Index, N>>& cells) const {
-    for (auto& cell : cells)
-      for (Index& corner : cell) corner = place_[corner];
+  Index add(Index vertex) {
+    if (number_of_[vertex] != none) return number_of_[vertex];
+    out_.vertices.push_back(vertex);
+    out_.weights.push_back(1);
+    return number_of_[vertex] = finish();
   }
 
  private:
-  void add_to(EmbeddedPoints& welded, const EmbeddedPoint& point) const {
-    const std::array<double, 8> weights = trilinear_weights(point.at);
-    for (std::size_t n = 0; n < 8; ++n) {
-      if (weights[n] == 0) continue;
-      welded.vertices.push_back(complex_.vertices_of(point.element)[n]);
-      welded.weights.push_back(weights[n]);
+  Index next() const { return static_cast<Index>(out_.size()); }
+
+  /// The point that has been written last becomes a new one,
+  Index finish() {
+    out_.first.push_back(static_cast<Index>(out_.vertices.size()));
+    return next() - 1;
+  }
+  /// unless `known` is its number.
+  Index finish(Index& known) {
+    if (known == none) return known = finish();
+    out_.vertices.resize(out_.first.back());
+    out_.weights.resize(out_.first.back());
+    return known;
+  }
+
+  /// Where the number of a point like that which has been written last is, or comes to.
+  Index& place_of_last() {
+    if (2 * next() >= table_.size()) grow();
+    const Index begin = out_.first.back(), end = static_cast<Index>(out_.vertices.size());
+    for (std::size_t i = hash(begin, end);; ++i) {
+      Index& place = table_[i & (table_.size() - 1)];
+      if (place == none || are_equal(place, begin, end)) return place;
     }
-    welded.first.push_back(static_cast<Index>(welded.vertices.size()));
+  }
+  /// It does not depend on the order of the vertices, which elements may number differently.
+  std::size_t hash(Index begin, Index end) const {
+    std::uint64_t sum = 0;
+    for (Index i = begin; i < end; ++i) {
+      const std::uint64_t mixed =
+          (out_.vertices[i] ^ std::bit_cast<std::uint64_t>(out_.weights[i])) * 0x9E3779B97F4A7C15u;
+      sum += mixed ^ mixed >> 32;
+    }
+    return sum ^ sum >> 16;
+  }
+  bool are_equal(Index point, Index begin, Index end) const {
+    const Index first = out_.first[point], last = out_.first[point + 1];
+    const auto has = [&](Index i) {
+      for (Index k = first; k < last; ++k)
+        if (out_.vertices[k] == out_.vertices[i]) return out_.weights[k] == out_.weights[i];
+      return false;
+    };
+    if (last - first != end - begin) return false;
+    for (Index i = begin; i < end; ++i)
+      if (!has(i)) return false;
+    return true;
+  }
+  void grow() {
+    const std::vector<Index> old =
+        std::exchange(table_, std::vector<Index>(4 * table_.size(), none));
+    for (const Index point : old) {
+      if (point == none) continue;
+      std::size_t i = hash(out_.first[point], out_.first[point + 1]);
+      while (table_[i & (table_.size() - 1)] != none) ++i;
+      table_[i & (table_.size() - 1)] = point;
+    }
   }
 
   const CellComplex& complex_;
-  std::vector<EmbeddedPoint> points_;
-  std::vector<Index> place_;
+  EmbeddedPoints& out_;
+  std::vector<Index> number_of_;  ///< of points in the places of vertices
+  std::vector<Index> table_;      ///< of points on edges and faces, by their hashes
 };
 
-/// Collects the cells of an embedding; their corners are numbers of a Welding until the end.
+/// Collects the cells of an embedding.
 class EmbeddingBuilder {
  public:
   EmbeddingBuilder(const Parts& parts, const CellComplex& complex, Embedding& out)
       : parts_(parts),
         complex_(complex),
         out_(out),
-        welding_(complex),
+        welding_(complex, parts.points.size(), out.points),
         added_(parts.points.size(), none) {}
 
   void build() {
+    out_.tetrahedra.reserve(parts_.tetrahedra.size());
+    out_.tetrahedron_element.reserve(parts_.tetrahedra.size());
     for (std::size_t t = 0; t < parts_.triangles.size(); ++t) add_triangle(t);
     std::size_t next = 0;
     for (Index e = 0; e < complex_.element_count(); ++e) {
@@ -104,9 +131,6 @@ class EmbeddingBuilder {
       if (complex_.exists(3, e)) is_partial ? add_part(next) : add_open_faces(e);
       next += is_partial ? 1 : 0;
     }
-    out_.points = welding_.weld();
-    welding_.replace(out_.tetrahedra);
-    welding_.replace(out_.triangles);
   }
 
  private:
@@ -114,10 +138,18 @@ class EmbeddingBuilder {
     if (added_[p] == none) added_[p] = welding_.add(parts_.points[p]);
     return added_[p];
   }
-  void add_triangle(Index element, const std::array<Index, 3>& corners, bool is_laid_open) {
+  void add_triangle(Index element, const std::array<Index, 3>& corners, bool is_laid_open,
+                    std::size_t source) {
     out_.triangles.push_back(corners);
     out_.triangle_element.push_back(element);
     out_.is_laid_open.push_back(is_laid_open ? 1 : 0);
+    out_.triangle_source.push_back(static_cast<Index>(source));
+  }
+  /// On a side of an element.
+  void add_triangle(Index element, const std::array<Index, 3>& corners, CubeSide side) {
+    add_triangle(
+        element, corners, is_laid_open(element, side),
+        parts_.triangles.size() + 6 * std::size_t{element} + static_cast<std::size_t>(side.face()));
   }
 
   /// Adds a triangle of the parts. Those on an open side of their element come with the others
@@ -126,51 +158,53 @@ class EmbeddingBuilder {
     const auto& [a, b, c] = parts_.triangles[t];
     const Index element = parts_.points[a].element;
     if (!complex_.exists(3, element)) return;
-    const auto at = [&](Index p) { return sides_at(parts_.points[p].at); };
-    const unsigned sides = at(a) & at(b) & at(c);
-    for (std::size_t i = 0; i < cube_sides.size(); ++i)
-      if ((sides >> i & 1) != 0 && is_open(element, cube_sides[i])) return;
+    const unsigned on = sides(a) & sides(b) & sides(c);
+    if (on != 0 && (on & open_sides(element)) != 0) return;
     add_triangle(element, {point(a), point(b), point(c)},
-                 !parts_.is_cut.empty() && parts_.is_cut[t] != 0);
+                 !parts_.is_cut.empty() && parts_.is_cut[t] != 0, t);
   }
+  unsigned sides(Index p) const { return sides_at(parts_.points[p].at); }
 
   void add_part(std::size_t i) {
     const Index element = parts_.elements[i];
+    const unsigned open = open_sides(element);
     for (Index t = parts_.first[i]; t < parts_.first[i + 1]; ++t) {
       const auto& c = parts_.tetrahedra[t];
       out_.tetrahedra.push_back({point(c[0]), point(c[1]), point(c[2]), point(c[3])});
       out_.tetrahedron_element.push_back(element);
-      for (const CubeSide side : cube_sides)
-        if (is_open(element, side)) add_open_faces(element, c, side);
+      if (open != 0) add_open_faces(element, c, open);
     }
   }
-  /// Those of a tetrahedron that lie on a side of its element.
-  void add_open_faces(Index element, const std::array<Index, 4>& corners, CubeSide side) {
-    for (const auto& [a, b, c] : tetrahedron_faces) {
-      const auto lies = [&](unsigned i) {
-        return parts_.points[corners[i]].at[side.axis] == side.place();
-      };
-      if (lies(a) && lies(b) && lies(c))
-        add_triangle(element, {point(corners[a]), point(corners[b]), point(corners[c])},
-                     is_laid_open(element, side));
-    }
+  /// Those of a tetrahedron that lie on open sides of its element.
+  void add_open_faces(Index element, const std::array<Index, 4>& corners, unsigned open) {
+    const auto& [p, q, r, s] = corners;
+    const std::array<unsigned, 4> at{sides(p), sides(q), sides(r), sides(s)};
+    for (std::size_t i = 0; i < cube_sides.size(); ++i)
+      for (const auto& [a, b, c] : tetrahedron_faces)
+        if ((at[a] & at[b] & at[c] & open) >> i & 1)
+          add_triangle(element, {point(corners[a]), point(corners[b]), point(corners[c])},
+                       cube_sides[i]);
   }
   /// Those of a full element.
   void add_open_faces(Index element) {
-    for (const CubeSide side : cube_sides) {
-      if (!is_open(element, side)) continue;
-      std::array<Index, 4> q;
-      const auto corners = corners_of(side);
-      for (std::size_t i = 0; i < 4; ++i) q[i] = welding_.add({element, corner_place(corners[i])});
-      add_triangle(element, {q[0], q[1], q[2]}, is_laid_open(element, side));
-      add_triangle(element, {q[0], q[2], q[3]}, is_laid_open(element, side));
+    const unsigned open = open_sides(element);
+    for (std::size_t i = 0; i < cube_sides.size(); ++i) {
+      if ((open >> i & 1) == 0) continue;
+      std::array<Index, 4> q = corners_of(cube_sides[i]);
+      for (Index& corner : q) corner = welding_.add(complex_.vertices_of(element)[corner]);
+      add_triangle(element, {q[0], q[1], q[2]}, cube_sides[i]);
+      add_triangle(element, {q[0], q[2], q[3]}, cube_sides[i]);
     }
   }
   bool is_laid_open(Index element, CubeSide side) const {
     return parts_.outer_sides.empty() || (parts_.outer_sides[element] >> side.face() & 1) == 0;
   }
-  bool is_open(Index element, CubeSide side) const {
-    return complex_.neighbour(element, side.face()) == none;
+  /// Bit i for cube_sides[i].
+  unsigned open_sides(Index element) const {
+    unsigned open = 0;
+    for (std::size_t i = 0; i < cube_sides.size(); ++i)
+      if (complex_.neighbour(element, cube_sides[i].face()) == none) open |= 1u << i;
+    return open;
   }
 
   const Parts& parts_;

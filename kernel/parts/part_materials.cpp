@@ -2,9 +2,37 @@
 #include "kernel/parts/part_materials.hpp"
 
 #include <algorithm>
-#include <map>
+
+#include "kernel/geometry/surface.hpp"
+#include "kernel/parts/moments.hpp"
 
 namespace suture {
+namespace {
+
+// A place this far outside a tetrahedron is in it; as six times a volume in the reference cube.
+constexpr double volume_rounding = 1e-9;
+
+bool contains(const std::array<Vec3, 4>& corners, const Vec3& at) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::array<Vec3, 4> beside = corners;
+    beside[i] = at;
+    if (six_volumes(beside) < -volume_rounding) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool has_material(const Parts& parts, Index element, const Vec3& at) {
+  const std::size_t place = position_in(parts.elements, element);
+  if (place == parts.elements.size()) return true;
+  const auto at_point = [&](Index p) { return parts.points[p].at; };
+  for (Index t = parts.first[place]; t < parts.first[place + 1]; ++t) {
+    const auto& [a, b, c, d] = parts.tetrahedra[t];
+    if (contains({at_point(a), at_point(b), at_point(c), at_point(d)}, at)) return true;
+  }
+  return false;
+}
 
 void PartMaterials::find_surface(std::span<const Index> elements, Index element_count) {
   if (parts_.triangles.empty()) return;
@@ -21,22 +49,33 @@ const Material& PartMaterials::of(Index element, Material& own) const {
   const std::size_t place = position_in(parts_.elements, element);
   if (place == parts_.elements.size()) return Material::full_element();
   own = {};
-  std::map<Index, Index> number;
-  const auto add = [&](Index p) {
-    const auto [at, is_new] = number.emplace(p, static_cast<Index>(own.points.size()));
-    if (is_new) own.points.push_back(parts_.points[p].at);
-    return at->second;
-  };
-  for (Index t = parts_.first[place]; t < parts_.first[place + 1]; ++t) {
-    const auto& [a, b, c, d] = parts_.tetrahedra[t];
-    own.tetrahedra.push_back({add(a), add(b), add(c), add(d)});
+  const auto tetrahedra =
+      std::span(parts_.tetrahedra)
+          .subspan(parts_.first[place], parts_.first[place + 1] - parts_.first[place]);
+  Index low = none, high = 0;  // the points of an element are near each other
+  for (const auto& t : tetrahedra) {
+    low = std::min(low, std::ranges::min(t));
+    high = std::max(high, std::ranges::max(t));
   }
+  std::vector<Index> number(high - low + std::size_t{1}, none);
+  const auto add = [&](Index p) {
+    Index& at = number[p - low];
+    if (at == none) {
+      at = static_cast<Index>(own.points.size());
+      own.points.push_back(parts_.points[p].at);
+    }
+    return at;
+  };
+  for (const auto& [a, b, c, d] : tetrahedra)
+    own.tetrahedra.push_back({add(a), add(b), add(c), add(d)});
+  const auto number_of = [&](Index p) { return p < low || p > high ? none : number[p - low]; };
   const auto same = std::pair(element, Index{0});
   for (auto at = std::ranges::lower_bound(triangles_, same);
        at != triangles_.end() && at->first == element; ++at) {
     const auto& [a, b, c] = parts_.triangles[at->second];
-    if (!number.contains(a) || !number.contains(b) || !number.contains(c)) continue;
-    own.triangles.push_back({number[a], number[b], number[c]});
+    const Triangle corners{number_of(a), number_of(b), number_of(c)};
+    if (std::ranges::find(corners, none) != corners.end()) continue;
+    own.triangles.push_back(corners);
     own.is_cut.push_back(parts_.is_cut.empty() ? 0 : std::uint8_t{parts_.is_cut[at->second]});
   }
   return own;

@@ -9,6 +9,9 @@
 
 namespace suture {
 
+/// Whether there is material at a place in the reference cube of an element. O(its tetrahedra).
+bool has_material(const Parts& parts, Index element, const Vec3& at);
+
 /// The materials of the elements of a body, from its parts.
 class PartMaterials {
  public:

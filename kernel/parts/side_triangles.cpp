@@ -2,7 +2,9 @@
 #include "kernel/parts/side_triangles.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numeric>
 
 namespace suture {
 namespace {
@@ -41,27 +43,24 @@ bool SideTriangle::contains(const Place& p) const {
 }
 
 SideTriangles::SideTriangles(const Material& material) {
-  std::vector<std::uint8_t> at, on;  // the sides of points and of faces
+  std::vector<std::uint8_t> at;  // the sides of points
   at.reserve(material.points.size());
-  on.reserve(4 * material.tetrahedra.size());
   for (const Vec3& point : material.points) at.push_back(sides_at(point));
-  for (const auto& t : material.tetrahedra)
-    for (const auto& [a, b, c] : tetrahedron_faces)
-      on.push_back(static_cast<std::uint8_t>(at[t[a]] & at[t[b]] & at[t[c]]));
-  triangles_.reserve(on.size() / 2);
-  for (unsigned s = 0; s < cube_sides.size(); ++s) {
-    for (std::size_t i = 0; i < on.size(); ++i)
-      if (on[i] >> s & 1) add(material, i, cube_sides[s].axis);
-    end_[s] = triangles_.size();
-  }
-}
-
-/// Face `face` counts through the faces of all tetrahedra.
-void SideTriangles::add(const Material& material, std::size_t face, unsigned axis) {
-  const auto& t = material.tetrahedra[face / 4];
-  const auto& [a, b, c] = tetrahedron_faces[face % 4];
-  triangles_.push_back(
-      side_triangle({material.points[t[a]], material.points[t[b]], material.points[t[c]]}, axis));
+  const auto for_each = [&](auto visit) {
+    for (const auto& t : material.tetrahedra)
+      for (const auto& [a, b, c] : tetrahedron_faces)
+        if (const unsigned on = at[t[a]] & at[t[b]] & at[t[c]]; on != 0)
+          visit(static_cast<std::size_t>(std::countr_zero(on)), t[a], t[b], t[c]);
+  };
+  for_each([&](std::size_t side, Index, Index, Index) { ++end_[side]; });
+  std::partial_sum(end_.begin(), end_.end(), end_.begin());
+  triangles_.resize(end_.back());
+  std::array<std::size_t, 6> next{};
+  std::copy(end_.begin(), end_.end() - 1, next.begin() + 1);
+  for_each([&](std::size_t side, Index a, Index b, Index c) {
+    triangles_[next[side]++] = side_triangle(
+        {material.points[a], material.points[b], material.points[c]}, cube_sides[side].axis);
+  });
 }
 
 const SideTriangles& SideTriangles::of_full_element() {
@@ -73,11 +72,15 @@ bool is_covered(const SideTriangle& triangle, std::span<const SideTriangle> othe
   return std::ranges::any_of(others, [&](const auto& o) { return o.contains(triangle.centroid); });
 }
 
-double covered_area(std::span<const SideTriangle> some, std::span<const SideTriangle> others) {
-  double area = 0;
-  for (const SideTriangle& triangle : some)
-    if (is_covered(triangle, others)) area += triangle.area;
-  return area;
+Covered covered(std::span<const SideTriangle> some, std::span<const SideTriangle> others) {
+  Covered covered;
+  for (const SideTriangle& triangle : some) {
+    if (is_covered(triangle, others))
+      covered.area += triangle.area;
+    else
+      covered.is_all = false;
+  }
+  return covered;
 }
 
 }  // namespace suture

@@ -34,15 +34,17 @@ class SideTriangles {
   }
 
  private:
-  void add(const Material& material, std::size_t face, unsigned axis);
-
   std::vector<SideTriangle> triangles_;
   std::array<std::size_t, 6> end_{};
 };
 
 /// Whether the centroid lies in one of the others, which are on the same side of the cube.
 bool is_covered(const SideTriangle& triangle, std::span<const SideTriangle> others);
-/// Twice the area of those that are covered.
-double covered_area(std::span<const SideTriangle> some, std::span<const SideTriangle> others);
+/// Which of some triangles are covered.
+struct Covered {
+  double area = 0;  ///< of those, twice
+  bool is_all = true;
+};
+Covered covered(std::span<const SideTriangle> some, std::span<const SideTriangle> others);
 
 }  // namespace suture

@@ -120,11 +120,16 @@ std::vector<SurfaceTriangle> triangles_of_copies(std::span<const SurfaceTriangle
   std::multimap<Index, const SurfaceTriangle*> of_element;
   for (const SurfaceTriangle& triangle : triangles) of_element.emplace(triangle.element, &triangle);
   std::vector<SurfaceTriangle> found;
+  std::vector<Split> by_copy(copies.begin(), copies.end());
+  std::ranges::stable_sort(by_copy, {}, &Split::new_cell);
   for_each_outer_triangle(parts, [&](const SurfaceTriangle& small) {
-    const auto copy = std::ranges::lower_bound(copies, small.element, {}, &Split::new_cell);
-    const auto [first, last] = of_element.equal_range(copy->old_cell);
-    const auto holds = [&](const auto& entry) { return lies_in(small, *entry.second); };
-    if (std::any_of(first, last, holds)) found.push_back(small);
+    const auto had = [&](const Split& copy) {
+      const auto [first, last] = of_element.equal_range(copy.old_cell);
+      return std::any_of(first, last,
+                         [&](const auto& entry) { return lies_in(small, *entry.second); });
+    };
+    const auto of_small = std::ranges::equal_range(by_copy, small.element, {}, &Split::new_cell);
+    if (std::ranges::any_of(of_small, had)) found.push_back(small);
   });
   std::ranges::stable_sort(found, {}, &SurfaceTriangle::element);
   return found;

@@ -23,8 +23,9 @@ SurfaceTriangle surface_triangle(const Embedding& embedding, Index t, const Cell
 /// Two for each face of a full element.
 std::vector<SurfaceTriangle> triangles_of_faces(std::span<const Dart> faces);
 
-/// What `triangles` have become in a cut along a blade, on the copies of their elements. `parts`:
-/// of the copies (BladeCut). O(parts log n).
+/// What `triangles` have become in a cut along a blade, on the copies of their elements, or where
+/// copies have absorbed their elements (TopologyChange::successors()). `parts`: of the copies.
+/// O(parts log n).
 std::vector<SurfaceTriangle> triangles_of_copies(std::span<const SurfaceTriangle> triangles,
                                                  const Parts& parts, std::span<const Split> copies);
 

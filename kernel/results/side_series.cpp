@@ -104,19 +104,24 @@ void add_opened(Frame& frame, CutFields& fields, BuiltScene& built, const EventR
   take_points(frame, built);
 }
 
-/// Faces of elements reach out of an embedded surface; its triangles do not know their event.
+/// Faces of elements reach out of an embedded surface, so its triangles are shown.
 void add_lips(Frame& frame, CutFields& fields, BuiltScene& built) {
   const Embedding& all = built.embedding();
   Embedding lips;
   lips.points = all.points;
-  for (std::size_t t = 0; t < all.triangles.size(); ++t)
-    if (all.is_laid_open[t] != 0) lips.triangles.push_back(all.triangles[t]);
+  const std::vector<Index> cuts = built.embedded_parts().cuts(built.body().complex());
+  std::vector<Index> cut_of_lip;
+  for (std::size_t t = 0; t < all.triangles.size(); ++t) {
+    if (all.is_laid_open[t] == 0) continue;
+    lips.triangles.push_back(all.triangles[t]);
+    cut_of_lip.push_back(cuts[t]);
+  }
   frame.point_fields.clear();
   frame.cell_fields.clear();
   set_geometry(frame, built);
   show_surface(frame, lips);
-  for (std::size_t t = 0; t < lips.triangles.size(); ++t)
-    fields.add(none, false, std::numeric_limits<double>::quiet_NaN());
+  for (const Index cut : cut_of_lip)
+    fields.add(cut, false, std::numeric_limits<double>::quiet_NaN());
 }
 
 void fill_cuts(Frame& frame, double time, BuiltScene& built, const EventRunner& events) {
@@ -185,6 +190,7 @@ std::vector<SideSeries> side_series(const OutputOptions& options,
       fill_fields(fields, FieldChoice::On::points, built, gravity, time, frame.point_fields);
       fill_fields(fields, FieldChoice::On::cells, built, gravity, time, frame.cell_fields);
       show_surface(frame, built.embedding());
+      frame.is_surface = true;
     };
     series.push_back({"surface", surface, nullptr});
   }

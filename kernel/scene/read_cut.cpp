@@ -272,16 +272,9 @@ void read_along(ObjectReader& cut, bool by_default, EventOperation& result) {
     plane->along_blade = true;
   else if (auto* surface = std::get_if<CutSurface>(&result))
     surface->along_blade = true;
-  else if (blade && !blade->resistance)
-    blade->along_blade = true;
-  else if (!is_given)
-    return;
   else if (blade)
-    cut.complain(
-        "along",
-        "\"blade\" is not for a blade with \"resistance\", which does not know the parts of "
-        "elements; remove the resistance, or cut along \"faces\"");
-  else
+    blade->along_blade = true;
+  else if (is_given)
     cut.complain("along", "\"blade\" needs a blade, and faces are listed; remove it");
 }
 

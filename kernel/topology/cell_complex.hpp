@@ -73,6 +73,8 @@ struct Cloning {
   /// numbers: those that are still joined. The faces of their origins must be joined now.
   std::vector<Seam> seams;
   std::vector<Dart> cut;  ///< faces between elements that are not copied, as for cut()
+  /// Other elements that go, ascending, and the copies that take their material.
+  std::vector<Split> absorbed{};
 };
 
 /// What an operation changed in the cells. Attributes are updated from this alone.
@@ -87,6 +89,8 @@ struct TopologyChange {
   std::array<std::vector<Index>, 4> removed;
   /// New elements, ascending: `old_cell` is the removed element of which each is a copy.
   std::vector<Split> copies;
+  /// Removed elements, ascending, and the copies that have taken their material (Cloning).
+  std::vector<Split> absorbed;
   /// Cells that lost or gained elements and still exist, per dimension, in their state after the
   /// operation: each old cell is followed by the new ones that separated from it.
   std::array<Stars, 3> stars;
@@ -98,6 +102,8 @@ struct TopologyChange {
   Index faces_cut = 0;
   Index faces_sewn = 0;
   bool empty() const { return faces_cut == 0 && faces_sewn == 0 && removed[3].empty(); }
+  /// The removed elements whose material is in copies, ascending, and these.
+  std::vector<Split> successors() const;
 };
 
 /// The combinatorial 3-map of a set of hexahedra. Darts, numbered 24 e + 4 f + k, are not stored:
@@ -204,9 +210,10 @@ class CellComplex {
   }
 
   /// Replaces elements by copies in one batch: each copy has the cells of its origin, as far as
-  /// they are still connected. Cells split as in a cut; none is removed but the origins. Throws
-  /// TopologyError if an origin does not exist, if the elements would be too many, or if a seam
-  /// joins what was not joined; the map is then unchanged. O(copies and the elements around them).
+  /// they are still connected. Cells split as in a cut; those of absorbed elements only are removed
+  /// with them. Throws TopologyError if an element does not exist, if there would be too many, or
+  /// if a seam joins what was not joined; the map is then unchanged. O(copies and the elements
+  /// around them).
   TopologyChange clone_volume(const Cloning& cloning);
 
   /// 3-sews faces in one batch. Each face must be on the boundary, belong to a different element

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/sort_unique.hpp"
@@ -16,12 +17,13 @@ namespace {
 
 Dart in_element(Index element, Dart dart) { return 24 * element + dart % 24; }
 
-/// The elements that are replaced, and their copies.
+/// The elements that are replaced or absorbed, and the copies of the former.
 class Origins {
  public:
-  Origins(std::span<const Index> origins, Index elements)
-      : origins_(origins), elements_(elements), marks_(elements / std::size_t{64} + 1) {
-    for (const Index e : origins) mark(marks_, e);
+  Origins(const Cloning& cloning, Index elements)
+      : origins_(cloning.origins), elements_(elements), marks_(elements / std::size_t{64} + 1) {
+    for (const Index e : origins_) mark(marks_, e);
+    for (const Split& absorbed : cloning.absorbed) mark(marks_, absorbed.old_cell);
   }
   bool contains(Index element) const { return marks_[element / 64] >> element % 64 & 1; }
   /// Calls visit(copy) for each copy of an element.
@@ -50,12 +52,20 @@ std::string seam_text(const Seam& seam) {
 
 }  // namespace
 
+std::vector<Split> TopologyChange::successors() const {
+  std::vector<Split> all = copies;
+  all.insert(all.end(), absorbed.begin(), absorbed.end());
+  std::ranges::stable_sort(all, {}, &Split::old_cell);
+  return all;
+}
+
 /// The cells around which elements are replaced or faces cut, and the elements around each
 /// afterwards, ascending.
 struct CellComplex::ClonedStars {
   std::vector<Index> cells;
   std::vector<std::size_t> offsets{0};
   std::vector<LocalCell> places;
+  std::vector<std::uint8_t> has_lost;  ///< by cell: an element without a copy
 };
 
 /*        before                  after, e in two parts, of which one touches g
@@ -90,6 +100,7 @@ TopologyChange CellComplex::clone_volume(const Cloning& cloning) {
   change.faces_cut = static_cast<Index>(cloning.cut.size());
   for (Index i = 0; i < cloning.origins.size(); ++i)
     change.copies.push_back({cloning.origins[i], first_copy + i});
+  change.absorbed = cloning.absorbed;
   remove_origins(cloning, change);
   return change;
 }
@@ -103,9 +114,21 @@ std::string CellComplex::why_no_cloning(const Cloning& cloning) const {
   for (const Index e : origins)
     if (e >= element_count() || !exists(3, e))
       return "element " + std::to_string(e) + " does not exist; only an existing one can be copied";
+  for (const auto& [element, copy] : cloning.absorbed)
+    if (element >= element_count() || !exists(3, element) || copy < element_count() ||
+        copy - element_count() >= origins.size() || std::ranges::binary_search(origins, element))
+      return "element " + std::to_string(element) + " cannot be absorbed by element " +
+             std::to_string(copy) + "; only an existing one that is not copied by a copy can";
   if (!std::ranges::is_sorted(origins)) return "the elements to copy are not in ascending order";
-  const Origins cloned(origins, element_count());
-  std::vector<Dart> sides;
+  const Origins cloned(cloning, element_count());
+  std::vector<std::uint8_t> listed(cloned.count_with_copies());  // by element, a bit per face
+  const auto list = [&](Dart d) {
+    const auto bit = static_cast<std::uint8_t>(1u << d % 24 / 4);
+    return (std::exchange(listed[d / 24], listed[d / 24] | bit) & bit) == 0;
+  };
+  const auto twice = [](Dart d) {
+    return "the face of dart " + std::to_string(d & ~3u) + " is listed twice";
+  };
   for (const Seam& seam : cloning.seams) {
     const auto may_join = [&](Dart d) {
       return d / 24 < cloned.count_with_copies() &&
@@ -115,43 +138,48 @@ std::string CellComplex::why_no_cloning(const Cloning& cloning) const {
         (seam.one / 24 < element_count() && seam.other / 24 < element_count()) ||
         beta3(cloned.origin(seam.one)) != cloned.origin(seam.other))
       return seam_text(seam) + " join faces that are not joined before the copies are made";
-    sides.insert(sides.end(), {seam.one & ~3u, seam.other & ~3u});
+    for (const Dart d : {seam.one, seam.other})
+      if (!list(d)) return twice(d);
   }
   for (const Dart d : cloning.cut) {
     if (!can_cut(d) || cloned.contains(d / 24) || cloned.contains(beta3(d) / 24))
       return "dart " + std::to_string(d) + " is not on a face between two elements that stay";
-    sides.insert(sides.end(), {d & ~3u, beta3(d) & ~3u});
+    for (const Dart side : {d, beta3(d)})
+      if (!list(side)) return twice(side);
   }
-  std::ranges::sort(sides);
-  const auto twice = std::ranges::adjacent_find(sides);
-  if (twice == sides.end()) return {};
-  return "the face of dart " + std::to_string(*twice) + " is listed twice";
+  return {};
 }
 
 template <int Dimension>
 CellComplex::ClonedStars CellComplex::stars_of_clones(const Cloning& cloning) const {
   ClonedStars stars;
-  const Origins cloned(cloning.origins, element_count());
-  const auto add_cells = [&](Dart first, Dart end) {
-    for (Dart d = first; d < end; ++d) stars.cells.push_back(cell(Dimension, d));
+  const Origins cloned(cloning, element_count());
+  std::vector<std::uint64_t> marks(count(Dimension) / std::size_t{64} + 1);
+  const auto mark_cells = [&](Index e) {
+    for (LocalCell i = 0; i < cells<Dimension>; ++i)
+      mark(marks, cell(Dimension, dart_at<Dimension>(e << 4 | i)));
   };
-  for (std::size_t i = 0; i < cloning.origins.size(); ++i)
-    if (i == 0 || cloning.origins[i] != cloning.origins[i - 1])
-      add_cells(24 * cloning.origins[i], 24 * cloning.origins[i] + 24);
-  for (const Dart d : cloning.cut) add_cells(d & ~3u, (d & ~3u) + 4);
-  sort_unique(stars.cells);
+  std::ranges::for_each(cloning.origins, mark_cells);
+  for (const Split& absorbed : cloning.absorbed) mark_cells(absorbed.old_cell);
+  for (const Dart d : cloning.cut)
+    for (Dart side = d & ~3u; side < (d & ~3u) + 4; ++side) mark(marks, cell(Dimension, side));
+  stars.cells = marked(marks);
   std::vector<Dart> star;
   for (const Index cell : stars.cells) {
     collect_star<Dimension>(first_dart_[Dimension][cell], star);
     const std::size_t first = stars.places.size();
+    bool has_lost = false;
     for (const Dart d : star) {
       const LocalCell place = local_cell_of<Dimension>(d);
+      const std::size_t before = stars.places.size();
       if (cloned.contains(place >> 4))
         cloned.for_copies(place >> 4,
                           [&](Index copy) { stars.places.push_back(copy << 4 | (place & 15)); });
       else
         stars.places.push_back(place);
+      has_lost = has_lost || stars.places.size() == before;
     }
+    stars.has_lost.push_back(has_lost ? 1 : 0);
     std::sort(stars.places.begin() + static_cast<std::ptrdiff_t>(first), stars.places.end());
     stars.offsets.push_back(stars.places.size());
   }
@@ -178,8 +206,11 @@ void CellComplex::relink(const Cloning& cloning) {
     if (link != none) links_[side_of(link)] = none;
     link = none;
   };
-  for (const Index e : cloning.origins)
+  const auto free_all = [&](Index e) {
     for (std::size_t f = 0; f < 6; ++f) free(std::size_t{6} * e + f);
+  };
+  std::ranges::for_each(cloning.origins, free_all);
+  for (const Split& absorbed : cloning.absorbed) free_all(absorbed.old_cell);
   for (const Dart d : cloning.cut) free(d / 4);
   for (const auto& [one, other] : cloning.seams) {
     const Dart turn = one + other;  // beta3(d) = turn - d around the face
@@ -199,6 +230,11 @@ void CellComplex::split_clones(const ClonedStars& stars, Index first_copy, Topol
         std::span(stars.places).subspan(stars.offsets[i], stars.offsets[i + 1] - stars.offsets[i]);
     for (const LocalCell place : places) label[place >> 4][place & 15] = none;
     Index id = stars.cells[i];
+    if (places.empty()) {
+      change.removed[Dimension].push_back(id);
+      first_dart_[Dimension][id] = none;
+      ++holes_[Dimension];
+    }
     for (const LocalCell first : places) {
       if (label[first >> 4][first & 15] != none) continue;
       part.assign(1, first);
@@ -216,7 +252,8 @@ void CellComplex::split_clones(const ClonedStars& stars, Index first_copy, Topol
       }
       std::ranges::sort(part);
       // A cut face may leave a cell around it as it was.
-      if (part.size() == places.size() && part.back() >> 4 < first_copy) break;
+      if (part.size() == places.size() && part.back() >> 4 < first_copy && stars.has_lost[i] == 0)
+        break;
       if (id != stars.cells[i]) {
         first_dart_[Dimension].push_back(none);
         change.splits[Dimension].push_back({stars.cells[i], id});
@@ -233,6 +270,7 @@ void CellComplex::split_clones(const ClonedStars& stars, Index first_copy, Topol
 
 void CellComplex::remove_origins(const Cloning& cloning, TopologyChange& change) {
   change.removed[3] = cloning.origins;
+  for (const Split& absorbed : cloning.absorbed) change.removed[3].push_back(absorbed.old_cell);
   sort_unique(change.removed[3]);
   for (const Index e : change.removed[3]) {
     vertices_[e].fill(none);

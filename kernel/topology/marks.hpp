@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +25,16 @@ inline bool mark(std::vector<std::uint64_t>& marks, Index i) {
   const bool fresh = !(word & bit);
   word |= bit;
   return fresh;
+}
+
+/// The cells whose bits are set, ascending.
+inline std::vector<Index> marked(const std::vector<std::uint64_t>& marks) {
+  std::vector<Index> cells;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    for (std::uint64_t word = marks[i]; word != 0; word &= word - 1)
+      cells.push_back(
+          static_cast<Index>(64 * i + static_cast<std::size_t>(std::countr_zero(word))));
+  return cells;
 }
 
 inline void unmark(std::vector<std::uint64_t>& marks, const std::vector<Index>& marked) {

@@ -15,18 +15,22 @@ constexpr suture::attribute temperature_field() {
 /// The places of its parameters.
 enum { conductivity, heat_capacity, heat_density };
 
-/// Parallelepipeds take three quarters of the time of other hexahedra.
 template <std::uint32_t Shape>
-struct Conduction : suture::on_volumes {
-  static constexpr const char *name = Shape == SUTURE_PARALLELEPIPED
-                                          ? "conduction in parallelepipeds"
-                                          : "conduction in general hexahedra",
-                              *doc = "Flow of heat between the nodes of an element";
+struct ConductionIn : suture::on_volumes {
+  static constexpr const char* doc = "Flow of heat between the nodes of an element";
   static constexpr std::uint32_t shape = Shape, reads = SUTURE_READ_REST;
   static constexpr suture::column<0> temperature{};
   static constexpr auto rate_of = temperature;
   static constexpr auto vertex_columns = suture::columns(temperature);
   static constexpr bool element_parameters = true;
+};
+
+/// Parallelepipeds take three quarters of the time of other hexahedra.
+template <std::uint32_t Shape>
+struct Conduction : ConductionIn<Shape> {
+  static constexpr const char* name = Shape == SUTURE_PARALLELEPIPED
+                                          ? "conduction in parallelepipeds"
+                                          : "conduction in general hexahedra";
 
   template <class Cell>
   static void rate(const Cell& cell) {
@@ -34,7 +38,23 @@ struct Conduction : suture::on_volumes {
   }
 };
 
+/// Those of which only a part is material.
+struct ConductionInParts : ConductionIn<SUTURE_PARALLELEPIPED> {
+  static constexpr const char* name = "conduction in parts of parallelepipeds";
+  static constexpr auto cell_columns = suture::columns(suture::element_part);
+
+  template <class Cell>
+  static void rate(const Cell& cell) {
+    suture::diffuse_in_part(cell, cell.parameter(conductivity));
+  }
+};
+
 }  // namespace
+
+template <>
+struct suture::detail::functor_on_parts<Conduction<SUTURE_PARALLELEPIPED>> {
+  using type = ConductionInParts;
+};
 
 struct Heat : suture::model {
   static constexpr const char *id = "heat",

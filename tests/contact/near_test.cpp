@@ -30,7 +30,7 @@ TEST(MissedApproach, IsFoundAtTheDistanceAtWhichItMayHappen) {
     std::vector<double> to = from;
     for (std::size_t i = 0; i < to.size(); ++i)
       if (i % 4 < 3) to[i] += all[i % 4] + (i % 4 == 2 ? bend * from[i - 2] : 0);
-    return find_missed_approach(surface, from.data(), to.data(), 1, 0.3);
+    return find_missed_approach(surface.vertices(), from.data(), to.data(), 1, 0.3);
   };
   EXPECT_FALSE(missed({7, 8, 9}, 0)) << "everything moves by the same way";
   EXPECT_FALSE(missed({}, 0.1)) << "2 edges over 20 edges";
@@ -45,7 +45,7 @@ TEST(MissedApproach, IsFoundAtTheDistanceAtWhichItMayHappen) {
     std::vector<double> to = from;
     for (std::size_t v = 0; v < mesh.points.size(); ++v)
       if (mesh.points[v][0] > 18) to[4 * v] -= 90;
-    return find_missed_approach(surface, from.data(), to.data(), 1, 0.3);
+    return find_missed_approach(surface.vertices(), from.data(), to.data(), 1, 0.3);
   }();
   ASSERT_TRUE(jump);
   EXPECT_EQ(jump->distance, 64) << "the first size whose cubes touch across the gap";

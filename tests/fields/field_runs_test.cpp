@@ -59,6 +59,39 @@ TEST(FieldRuns, CutsCopyTheValueAndSeamsWeighByCapacity) {
   EXPECT_NEAR(run.equation().balance().changed, 0, 1e-12 * before);
 }
 
+/// A bar whose ends are at two temperatures, cut along an oblique plane that its axis lies in.
+Scene split_bar(const std::string& solver, const std::string& ends) {
+  return field_scene(R"("mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [8, 3, 3]}}, "models":
+      [{"model": "heat", "parameters": {"k": 2, "c": 4, "rho": 1}}], "constraints": [{"fix": "xyz",
+      "where": "all"}], "solver": )" +
+                     solver +
+                     R"(, "fields": [{"field": "temperature", "start": 300, "where": "all"}, )" +
+                     ends + R"(], "events": [{"at": 0, "cut": {"plane": {"point": [0, 0.12, 0.11],
+      "normal": [0, 1, 0.37]}, "along": "blade"}}])");
+}
+
+// Heat flows along the cut, so each half has the profile of the whole bar.
+TEST(FieldRuns, PartsConductAsTheWholeElements) {
+  const std::string fixed = R"({"field": "temperature", "fix": 300, "where": {"set": "x0"}}, )";
+  for (const char* load : {R"({"field": "temperature", "fix": 400, "where": {"set": "x1"}})",
+                           R"({"field": "temperature", "flux": 200, "where": {"set": "x1"}})"}) {
+    FieldRun cut(
+        split_bar(R"({"integrator": "implicit-euler", "dt": 1, "end": 40})", fixed + load));
+    cut.run_to(40);
+    EXPECT_EQ(cut.simulation.built().body().islands().existing(), 2u);
+    EXPECT_GT(cut.simulation.complex().existing(3), 72u);
+    EXPECT_LT(cut.error([](double x) { return 300 + 100 * x; }), 1e-6) << load;
+  }
+}
+
+TEST(FieldRuns, PartsKeepTheContent) {
+  FieldRun run(split_bar(R"({"integrator": "symplectic-euler", "dt": 1e-3, "end": 1})",
+                         R"({"field": "temperature", "flux": 200, "where": {"set": "z1"}})"));
+  run.run_to(0.5);
+  const FieldBalance balance = run.equation().balance();
+  EXPECT_NEAR(balance.content, 4 * 0.0625 * 300 + 0.5 * 200 * 0.25, 1e-9 * balance.content);
+}
+
 TEST(FieldRuns, RemovedElementsTakeTheirContentAlong) {
   FieldRun run(bar(4, R"("integrator": "symplectic-euler", "dt": 1e-3, "end": 1)",
                    R"("events": [{"at": 0.01, "pierce": {"where": {"ids": [3]}}}])"));

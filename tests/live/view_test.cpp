@@ -72,11 +72,10 @@ TEST_F(Curves, AreThoseOfTheRun) {
 
 TEST_F(View, SendsTheRestShapeWithTheTriangles) {
   const auto rest_of = [&](const Json& surface) {
-    const std::size_t before =
-        12 * surface["triangles"].get<std::size_t>() + 8 * surface["edges"].get<std::size_t>();
+    const std::size_t before = 4 * surface["faces"].get<std::size_t>() * 4;
     return numbers(before, 3 * surface["points"].get<std::size_t>());
   };
-  const Json surface = page.until("triangles");
+  const Json surface = page.until("corners");
   const std::vector<float> rest = rest_of(surface);
   state_at(0);
   EXPECT_EQ(numbers(0, rest.size()), rest);
@@ -84,7 +83,7 @@ TEST_F(View, SendsTheRestShapeWithTheTriangles) {
   state_at(50);
   EXPECT_NE(numbers(0, rest.size()), rest);
   page.send(cut);
-  const Json opened = page.until("triangles");
+  const Json opened = page.until("corners");
   const std::vector<float> rest_of_lips = rest_of(opened);
   EXPECT_GT(rest_of_lips.size(), rest.size());
   EXPECT_EQ(*std::ranges::max_element(rest_of_lips), 1);  // that of a box of 1 x 0.25 x 0.25 m
@@ -148,41 +147,48 @@ TEST_F(View, CutsAlongBladesWithoutAnEventThatDoes) {
   EXPECT_THAT(page.until("message")["message"], HasSubstr("gravity"));
   while (page.until("message")["message"].get<std::string>().find("2 islands") == std::string::npos)
     continue;
-  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  EXPECT_GT(page.until("corners")["laid_open"], 0);
   EXPECT_EQ(page.until("step")["step"], 50);
   page.send(R"({"do":"back"})");
-  EXPECT_EQ(page.until("triangles")["laid_open"], 0);
+  EXPECT_EQ(page.until("corners")["laid_open"], 0);
   page.send(bent_cut_along_blade);
-  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  EXPECT_GT(page.until("corners")["laid_open"], 0);
   step(30);
   state_at(80);
+  page.send(R"({"do":"checkpoint"})");
+  while (page.until("message")["message"].get<std::string>().find("saved") == std::string::npos)
+    continue;
+  const Checkpoint saved = read_checkpoint(folder_ / "beam-checkpoint.h5");
+  EXPECT_THAT(saved.header.scene_text, HasSubstr(R"("divisible":true)"));
   stop();
   expect_same_bits(recording());  // up to then
   const std::filesystem::path second = folder_ / "beam-recording.jsonl";
+  EXPECT_THAT(read_recording(second).source.text, HasSubstr(R"("divisible":true)"));
   EXPECT_EQ(read_recording(second).inputs.size(), 2U);
   EXPECT_EQ(read_recording(second).last_step, 80U);
   expect_same_bits(second);
 }
 
-constexpr const char* sewn_bar = R"({
+constexpr const char* sleeping_bar = R"({
   "suture": 1,
   "mesh": {"box": {"size": [1, 0.2, 0.2], "cells": [10, 3, 3]}},
   "models": [{"model": "tm-faure", "parameters": {"E": 4e5, "nu": 0.3, "rho": 1000}}],
   "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
-  "solver": {"end": 100},
-  "events": [{"at": 100, "suture": {}}]
+  "contact": {"pieces": true},
+  "solver": {"end": 100, "sleep": {"acceleration": 1e-9, "velocity": 1e-9}}
 })";
 
-class Sewn : public View {
+class Sleeping : public View {
  protected:
-  Sewn() : View(sewn_bar) {}
+  Sleeping() : View(sleeping_bar) {}
 };
 
-TEST_F(Sewn, CannotBeCutAlongABlade) {
+TEST_F(Sleeping, CannotBeCutAlongABlade) {
   step(10);
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.31,0,0],"normal":[1,0,0]}}}})");
-  EXPECT_THAT(page.until("error")["error"], HasSubstr("/events/0/suture: acts on whole faces"));
+  EXPECT_THAT(page.until("error")["error"],
+              HasSubstr("/contact/pieces: needs a run without sleep"));
   page.send(R"({"do":"apply","event":{"cut":{"plane":{"point":[0.31,0,0],"normal":[1,0,0]}}}})");
   while (page.until("message")["message"].get<std::string>().find("2 islands") == std::string::npos)
     continue;
@@ -213,9 +219,9 @@ TEST_F(Sliced, ShowsItsBladeAndIsCutAlongAnother) {
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.33,0,0],"normal":[1,0,0.3]}}}})");
   EXPECT_THAT(page.until("message")["message"], HasSubstr("2 islands"));
-  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  EXPECT_GT(page.until("corners")["laid_open"], 0);
   page.send(R"({"do":"back"})");
-  EXPECT_EQ(page.until("triangles")["laid_open"], 0);
+  EXPECT_EQ(page.until("corners")["laid_open"], 0);
   step(1);
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.37,0,0],"normal":[1,0,0.3]}}}})");

@@ -220,6 +220,26 @@ TEST(BladeContact, LipsCarryPressureAndSlide) {
   EXPECT_GT(sliding, 0.4 * whole);
 }
 
+TEST(BladeContact, LipsCarryPressureInEquilibriaAndImplicitSteps) {
+  for (const char* solver : {"static", "implicit-euler"}) {
+    const auto force = [&](bool is_cut, double friction) {
+      Scene scene = pressed_block(is_cut, friction);
+      scene.solver.integrator = solver;
+      scene.solver.dt = 0.1;
+      SlabRun run(scene);
+      run.simulation.run_to(2, run.nobody);
+      EXPECT_EQ(run.islands(), is_cut ? 2u : 1u);
+      return run.simulation.contact()->loads()[0].force[2];
+    };
+    const double whole = force(false, 0);
+    EXPECT_NEAR(force(true, 1) / whole, 1, 0.01) << solver;
+    if (std::string(solver) == "static") continue;  // nothing would hold the upper half
+    const double sliding = force(true, 0);
+    EXPECT_LT(sliding, 0.7 * whole);
+    EXPECT_GT(sliding, 0.4 * whole);
+  }
+}
+
 // A disc leaves a slit that ends inside, where both lips depend on the same vertices; a plane
 // divides the bar beside it.
 TEST(BladeContact, LipsMeetAtTheEndOfASlit) {

@@ -179,7 +179,7 @@ TEST(BladeScene, CopiesOfCopiesHaveTheNumberOfTheElementInTheMesh) {
   EXPECT_GT(copies, 20u);
 }
 
-TEST(BladeScene, RefusesWhatActsOnWholeFaces) {
+TEST(BladeScene, RefusesWhatDoesNotKnowParts) {
   const auto error = [](auto change) {
     Scene scene = bar();
     change(scene);
@@ -187,17 +187,15 @@ TEST(BladeScene, RefusesWhatActsOnWholeFaces) {
   };
   EXPECT_THAT(error([](Scene&) {}), IsEmpty());
   EXPECT_THAT(error([](Scene& scene) { scene.contact.pieces = true; }), IsEmpty());
-  EXPECT_THAT(
-      error([](Scene& scene) {
-        scene.contact.pieces = true;
-        scene.solver.integrator = "static";
-        scene.solver.sleep_acceleration = 1;
-      }),
-      AllOf(StartsWith("/contact/pieces: needs explicit steps"), HasSubstr("remove \"sleep\"")));
-  EXPECT_THAT(
-      error(
-          [](Scene& scene) { scene.events.push_back({.what = SewFaces{}, .path = "/events/1"}); }),
-      AllOf(StartsWith("/events/1/suture: acts on whole"), HasSubstr("or cut along \"faces\"")));
+  EXPECT_THAT(error([](Scene& scene) {
+                scene.contact.pieces = true;
+                scene.solver.sleep_acceleration = 1;
+              }),
+              AllOf(StartsWith("/contact/pieces: needs a run without sleep"), HasSubstr("remove")));
+  EXPECT_THAT(error([](Scene& scene) {
+                scene.events.push_back({.what = SewFaces{}, .path = "/events/1"});
+              }),
+              IsEmpty());
   EXPECT_THAT(error([](Scene& scene) { scene.mesh.box->grading = {1, 1, 2}; }), IsEmpty());
 }
 
@@ -224,11 +222,26 @@ TEST(BladeScene, RefusesMeshesThatAreNoGrid) {
                                    HasSubstr("not numbered along the same axes")));
 }
 
+TEST(BladeScene, MayBeDivisibleWithoutACut) {
+  Scene scene = bar();
+  scene.events.clear();
+  EXPECT_THAT(error_of<InputError>([&] { const Built built(scene); }),
+              StartsWith("/output/surface: is for bodies with"));
+  scene.is_divisible = true;
+  EXPECT_NO_THROW(Built built(scene));
+  scene.mesh.box.reset();
+  auto bent = mesh_of_bar();
+  bent->points[13][0] += 0.1;
+  scene.mesh.given = std::move(bent);
+  EXPECT_THAT(error_of<InputError>([&] { const Built built(scene); }),
+              AllOf(StartsWith("/divisible: element "), HasSubstr("is not a parallelepiped")));
+}
+
 TEST(BladeScene, RefusesCutsForWhichItIsNotPrepared) {
   const Event event = test::divide({0, 0, 0}, {1, 0, 0});
-  EXPECT_THAT(error_of<InputError>([&] { check_parts(event, {}, false); }),
+  EXPECT_THAT(error_of<InputError>([&] { check_parts(event, false); }),
               StartsWith("/events/0/cut/along: the scene has no cut along a blade"));
-  EXPECT_NO_THROW(check_parts(event, {}, true));
+  EXPECT_NO_THROW(check_parts(event, true));
 }
 
 }  // namespace

@@ -181,19 +181,13 @@ TEST(FilledScene, EvidenceShowsTheMaterialOnlyToo) {
   }
 }
 
-TEST(FilledScene, RefusesWhatActsOnWholeFaces) {
+TEST(FilledScene, RefusesWhatDoesNotFitItsSurface) {
   const auto error = [](auto change) {
     Scene scene = ball();
     change(scene);
     return error_of<InputError>([&] { const Built built(scene); });
   };
   EXPECT_TRUE(error([](Scene&) {}).empty());
-  EXPECT_TRUE(error([](Scene& scene) {
-                Event event;
-                event.what = SewFaces{};
-                event.path = "/events/0";
-                scene.events = {event};
-              }).starts_with("/events/0/suture: acts on whole"));
   EXPECT_TRUE(error([](Scene& scene) {
                 scene.mesh.filled.reset();
                 scene.mesh.box = BoxOptions{{1, 1, 1}, {2, 2, 2}};

@@ -194,6 +194,8 @@ class Taken(unittest.TestCase):
         cut = sim.surface()
         self.assertEqual((~cut.laid_open).sum(), len(surface.triangles))
         self.assertGreater(cut.laid_open.sum(), 20)
+        np.testing.assert_array_equal(cut.cut == 0, cut.laid_open)
+        self.assertTrue((surface.cut == -1).all())
         self.assertAlmostEqual(volume_of(cut), volume_of(surface))
         sim.step(5)
         np.testing.assert_allclose(sim.surface().points, cut.values(sim.position + sim.origin))

@@ -70,7 +70,14 @@ Case phases(Random& random, unsigned, std::uint64_t) {
                                {"rotation", {{"axis", {1, 0, 0}}, {"centre", {1, 0.1, 0.1}}}},
                                {"shape", shapes[static_cast<int>(random.between(0, 2.999))]}}}};
   scene["events"] = {{{"at", random.between(0.2, 1.5)}, {"cut", across(0.5, random)}}};
-  if (random.chance(0.3)) scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
+  const double scheme = random.between(0, 1);
+  if (scheme < 0.3)
+    scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
+  else if (scheme < 0.5)
+    scene["solver"].update(
+        {{"integrator", "implicit-euler"}, {"dt", 0.02}, {"budget", {{"iterations", 3}}}});
+  else if (scheme < 0.7)
+    scene["solver"].update({{"integrator", "xpbd"}, {"dt", 1e-3}});
   add_output(scene, random);
   return result;
 }
@@ -125,6 +132,8 @@ Case along(Random& random, unsigned, std::uint64_t) {
     scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"cut", cut}});
   }
   if (random.chance(0.4))
+    scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"suture", Json::object()}});
+  if (random.chance(0.4))
     scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"cut", across(0.4, random)}});
   if (random.chance(0.4))
     scene["events"].push_back(
@@ -153,6 +162,8 @@ Case along(Random& random, unsigned, std::uint64_t) {
         {{"cut",
           {{"blade", {{"obstacle", "knife"}, {"points", {{0.6, 0.3, -1}, {0.61, 0.3, 1}}}}},
            {"along", "blade"}}}});
+    if (!scene["solver"].contains("sleep") && random.chance(0.5))
+      scene["events"].back()["cut"]["blade"]["resistance"] = {{"toughness", random.between(1, 50)}};
   }
   add_output(scene, random);
   scene["output"]["surface"] = random.chance(0.5);

@@ -65,7 +65,9 @@ class CuttingForce : public testing::Test {
       forces.push_back(-simulation->contact()->loads()[0].force[0]);
       work += forces.back() * (now.translation[0] - before.translation[0]);
     }
-    cut = simulation->run(nobody).faces_cut;
+    const RunSummary summary = simulation->run(nobody);
+    cut = summary.faces_cut;
+    divided = summary.elements_cut;
     energies = simulation->built().dynamics().balance();
     EXPECT_LT(std::abs(energies.balance), 0.01 * energies.exchanged);
   }
@@ -75,7 +77,7 @@ class CuttingForce : public testing::Test {
   std::unique_ptr<Simulation> simulation;
   std::vector<double> forces;  // N
   double work = 0;             // J, of the hand
-  std::uint64_t cut = 0;
+  std::uint64_t cut = 0, divided = 0;
   EnergyBalance energies;
 };
 
@@ -175,16 +177,71 @@ TEST_F(CuttingForce, BeginsWithMoreThanItTakesToGoOn) {
   EXPECT_NEAR(forces[forces.size() / 2], toughness * 0.2, 0.05 * toughness * 0.2);
 }
 
-TEST_F(CuttingForce, HasTheSameBitsForAnyNumberOfThreads) {
-  std::vector<double> first;
-  scene.solver.end = 0.4;
-  for (const unsigned threads : thread_counts()) {
-    scene.solver.threads = threads;
+/// The edge is slanted and lies in an oblique plane, from a depth of 0.19 m to the top.
+class CuttingForceAlongTheBlade : public CuttingForce {
+ protected:
+  CuttingForceAlongTheBlade() {
+    blade().along_blade = true;
+    blade().carried->points = {{-0.1, 0.21, 0.19}, {-0.25, 0.3, 0.6}};
+  }
+  const double width = std::hypot(0.21, 0.21 / 0.41 * 0.09);
+};
+
+TEST_F(CuttingForceAlongTheBlade, TakesToughnessTimesArea) {
+  for (const Index n : {8, 12}) {
+    scene.mesh.box->cells = {2 * n, n, n};
     forces.clear();
+    work = 0;
     run();
-    EXPECT_GT(taken(), 1);
-    if (first.empty()) first = forces;
-    EXPECT_EQ(forces, first) << threads << " threads";
+    EXPECT_GT(divided, 2 * n * (n / 2 - 1));
+    EXPECT_NEAR(taken(), toughness * 0.8 * width, 0.02 * toughness * 0.8 * width) << n;
+    EXPECT_NEAR(work, energies.work("contact"), 1e-3 * work);
+    const std::size_t middle = forces.size() / 2;
+    for (std::size_t i = middle - 20; i < middle + 20; ++i)
+      EXPECT_NEAR(forces[i], toughness * width, 0.05 * toughness * width) << i;
+  }
+}
+
+// To 0.4 m, back by 0.2 m or out, and through.
+TEST_F(CuttingForceAlongTheBlade, IsPaidOnceForEachPlace) {
+  for (const double back : {0.2, 0.6}) {
+    const double last = 0.5 + back + (1.2 - 0.5 + back);
+    motion().stations = {{0, {}, 0},
+                         {0.5, {0.5, 0, 0}, 0},
+                         {0.5 + back, {0.5 - back, 0, 0}, 0},
+                         {last, {1.2, 0, 0}, 0}};
+    scene.solver.end = last;
+    forces.clear();
+    work = 0;
+    run();
+    EXPECT_NEAR(taken(), toughness * 0.8 * width, 0.02 * toughness * 0.8 * width) << back;
+    EXPECT_NEAR(work, energies.work("contact"), 2e-3 * work) << "nothing pulls it into the slit";
+  }
+}
+
+// A plane has cut the block before: two parts share each cube there, and one has the material.
+TEST_F(CuttingForceAlongTheBlade, TakesWhatThePartsHave) {
+  Event before;
+  before.path = "/events/1";
+  before.what = CutPlane{.point = {0.41, 0, 0}, .normal = {1, 0.1, 0.2}, .along_blade = true};
+  scene.events.push_back(before);
+  run();
+  EXPECT_NEAR(taken(), toughness * 0.8 * width, 0.02 * toughness * 0.8 * width);
+}
+
+TEST_F(CuttingForce, HasTheSameBitsForAnyNumberOfThreads) {
+  scene.solver.end = 0.4;
+  for (const bool along : {false, true}) {
+    blade().along_blade = along;
+    std::vector<double> first;
+    for (const unsigned threads : thread_counts()) {
+      scene.solver.threads = threads;
+      forces.clear();
+      run();
+      EXPECT_GT(taken(), 1);
+      if (first.empty()) first = forces;
+      EXPECT_EQ(forces, first) << threads << " threads";
+    }
   }
 }
 

@@ -51,6 +51,7 @@ class EmbeddedSurface(NamedTuple):
     weights: Floats
     elements: Integers
     laid_open: Booleans
+    cut: Integers
     def values(self, of_vertices: Floats) -> Floats: ...
 
 class Mesh:

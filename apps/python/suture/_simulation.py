@@ -109,6 +109,9 @@ class EmbeddedSurface(NamedTuple):
     """(k,) int64: the row of the element in which each triangle lies."""
     laid_open: "numpy.ndarray"
     """(k,) bool: True where a cut or a removal has laid the inside open."""
+    cut: "numpy.ndarray"
+    """(k,) int64: which cut made the triangle, by its place among the events of the scene; events
+    that were applied during the run follow in their order. -1 where none did."""
 
     def values(self, of_vertices):
         """Those of the points, interpolated from an array of one row per vertex."""
@@ -429,9 +432,9 @@ class Simulation(_suture.Simulation):
         if embedded is None:
             quads, elements = self._boundary()
             return Surface(*without_unused(self.position + self.origin, quads), elements)
-        triangles, elements, laid_open, vertices, weights = embedded
+        triangles, elements, laid_open, cut, vertices, weights = embedded
         rows, triangles, used = without_unused(vertices, triangles)
-        surface = EmbeddedSurface(None, triangles, rows, weights[used], elements, laid_open)
+        surface = EmbeddedSurface(None, triangles, rows, weights[used], elements, laid_open, cut)
         return surface._replace(points=surface.values(self.position + self.origin))
 
     def _fields(self, values_of, more):

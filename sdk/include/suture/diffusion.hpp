@@ -9,6 +9,7 @@
 #ifndef SUTURE_DIFFUSION_HPP
 #define SUTURE_DIFFUSION_HPP
 
+#include "suture/detail/law.hpp"
 #include "suture/hexahedron.hpp"
 #include "suture/model.hpp"
 
@@ -79,23 +80,68 @@ SUTURE_INLINE void diffusion_rates(const vec3<R> (&X)[8], const T (&u)[8], const
   s.scatter(r);
 }
 
+namespace detail {
+
+/// k cof^T cof / det J at each of the points of a parallelepiped.
+template <class R, class K>
+struct diffusion_metric {
+  R of[3][3];
+  SUTURE_INLINE diffusion_metric(const vec3<R> (&X)[8], const K& k) {
+    const mat3<R> J = mean_edges(X), cof = cofactor(J);
+    const R weight = common_weight<2> * reciprocal(dot(J.column[0], cof.column[0]));
+    for (int d = 0; d < 3; ++d)
+      for (int e = 0; e < 3; ++e) of[d][e] = (k * weight) * dot(cof.column[d], cof.column[e]);
+  }
+  template <class T>
+  SUTURE_INLINE void apply(scalar_gradients<T>& g, scalar_gradients<T>& s) const {
+    for (T(&axis)[4] : s.along)
+      for (T& value : axis) value = T(0.0);
+    for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
+      for (int d = 0; d < 3; ++d)
+        for (int e = 0; e < 3; ++e) s.at(d, i, j, q) += of[d][e] * g.at(e, i, j, q);
+    });
+  }
+};
+
+}  // namespace detail
+
 /// The same in a parallelepiped: J is that of its edges.
 template <class T, class R, class K>
 SUTURE_INLINE void diffusion_rates_of_parallelepiped(const vec3<R> (&X)[8], const T (&u)[8],
                                                      const K& k, T (&r)[8]) {
-  const mat3<R> J = mean_edges(X), cof = cofactor(J);
-  const R weight = common_weight<2> * reciprocal(dot(J.column[0], cof.column[0]));
-  R metric[3][3];
-  for (int d = 0; d < 3; ++d)
-    for (int e = 0; e < 3; ++e) metric[d][e] = (k * weight) * dot(cof.column[d], cof.column[e]);
   detail::scalar_gradients<T> g(u), s;
-  for (T(&axis)[4] : s.along)
-    for (T& value : axis) value = T(0.0);
-  for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
-    for (int d = 0; d < 3; ++d)
-      for (int e = 0; e < 3; ++e) s.at(d, i, j, q) += metric[d][e] * g.at(e, i, j, q);
-  });
+  detail::diffusion_metric<R, K>(X, k).apply(g, s);
   s.scatter(r);
+}
+
+/// The same in one of which only a part is material, as part_geometry: the difference between the
+/// mean gradient of the part and that of the cube is added at all points. With sums over nodes
+/// h_xy = sum s_x s_y u_n and so on, that of du/dxi_x is (first_y h_xy + first_z h_xz +
+/// second_yz h_xyz) / 4.
+template <class T, class R, class K>
+SUTURE_INLINE void diffusion_rates_of_part(const vec3<R> (&X)[8], const T (&u)[8], const K& k,
+                                           const part_moments<R>& part, T (&r)[8]) {
+  R shift[3][8];  // of du/dxi_d by u_n
+  for (int d = 0; d < 3; ++d)
+    for (int n = 0; n < 8; ++n) {
+      const int a = (d + 1) % 3, b = (d + 2) % 3;
+      const auto sign = [n](int axis) { return (n >> axis & 1) != 0 ? 0.25 : -0.25; };
+      shift[d][n] = sign(d) * (R(4 * sign(a)) * part.first[a] + R(4 * sign(b)) * part.first[b] +
+                               R(16 * sign(a) * sign(b)) * part.second[d]);
+    }
+  detail::scalar_gradients<T> g(u), s;
+  for (int d = 0; d < 3; ++d) {
+    T more(0.0);
+    for (int n = 0; n < 8; ++n) more += shift[d][n] * u[n];
+    for (T& along : g.along[d]) along += more;
+  }
+  detail::diffusion_metric<R, K>(X, k).apply(g, s);
+  s.scatter(r);
+  for (int n = 0; n < 8; ++n) {
+    for (int d = 0; d < 3; ++d)
+      for (const T& along : s.along[d]) r[n] -= shift[d][n] * along;
+    r[n] = part.fraction * r[n];
+  }
 }
 
 /// Sets the rates of a cell whose field diffuses with conductivity k. The functor reads rest
@@ -113,6 +159,20 @@ SUTURE_INLINE void diffuse(const Cell& c, const K& k) {
     diffusion_rates_of_parallelepiped(X, u, k, r);
   else
     diffusion_rates(X, u, k, r);
+  for (int n = 0; n < 8; ++n) c.rate(n, r[n]);
+}
+
+/// The same of a cell of which only a part is material, whose functor reads `element_part`.
+template <class Cell, class K>
+SUTURE_INLINE void diffuse_in_part(const Cell& c, const K& k) {
+  using T = typename Cell::scalar;
+  vec3<typename Cell::real> X[8];
+  T u[8], r[8];
+  for (int n = 0; n < 8; ++n) {
+    X[n] = c.rest(n);
+    u[n] = c.field(n);
+  }
+  diffusion_rates_of_part(X, u, k, detail::read_part(c), r);
   for (int n = 0; n < 8; ++n) c.rate(n, r[n]);
 }
 

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What others see of events: outcomes, opened faces and blades.
+#include "kernel/base/archive.hpp"
+#include "kernel/base/message_text.hpp"
+#include "kernel/geometry/moving_blade.hpp"
+#include "kernel/geometry/surface_blade.hpp"
+#include "kernel/operations/event_runner.hpp"
+#include "kernel/operations/swept_sheet.hpp"
+
+namespace suture {
+
+EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
+  faces_cut += other.faces_cut;
+  faces_torn += other.faces_torn;
+  faces_sewn += other.faces_sewn;
+  elements_removed += other.elements_removed;
+  elements_cut += other.elements_cut;
+  elements_sewn += other.elements_sewn;
+  nodes_held += other.nodes_held;
+  nodes_released += other.nodes_released;
+  return *this;
+}
+
+std::string EventOutcome::text() const {
+  std::string text;
+  const auto add = [&](const char* verb, Index n, const char* what) {
+    if (n > 0) text += (text.empty() ? "" : ", ") + std::string(verb) + count_text(n, what);
+  };
+  add("cut ", elements_cut, "element");
+  add("cut ", faces_cut, "face");
+  add("sewed ", elements_sewn, "element");
+  add("tore ", faces_torn, "face");
+  add("sewed ", faces_sewn, "face");
+  add("removed ", elements_removed, "element");
+  add("grasped ", nodes_held, "node");
+  add("released ", nodes_released, "node");
+  return text;
+}
+
+std::vector<BladeShape> EventRunner::blades(double time) const {
+  std::vector<BladeShape> shapes;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const State& state = states_[i];
+    const auto number = static_cast<std::uint32_t>(i);
+    if (state.blade && state.blade->begin() <= time && time <= state.blade->end())
+      shapes.push_back({number, state.blade->at(time), {}});
+    const TriangleSurface* surface = state.surface ? &state.surface->surface()
+                                     : state.patch ? &state.patch->surface()
+                                                   : nullptr;
+    if (surface && (!state.has_fired || state.last >= time || scene_.events[i].every > 0))
+      shapes.push_back({number, surface->points, surface->triangles});
+  }
+  return shapes;
+}
+
+void OpenedFace::state(Archive& archive) {
+  archive("side", side);
+  archive("event", event);
+  archive("time", time);
+}
+
+}  // namespace suture

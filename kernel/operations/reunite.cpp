@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/operations/reunite.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
+
+#include "kernel/operations/seam_batch.hpp"
+#include "kernel/parts/lip_triangle.hpp"
+#include "kernel/parts/moments.hpp"
+
+// How parts become one element
+// ============================
+//
+//      +-------+-------+            +-------+-------+
+//      |  a   /|       |            |       |       |      a and b: one group
+//      |     / |   w   |   ---->    |   c   |   w   |      c: its copy; w was joined to b only
+//      |    / b|       |            |       |       |
+//      +-------+-------+            +-------+-------+
+//
+//   sides      The sides of elements with the same points of the user's mesh have been one face.
+//   touches    Those whose material overlaps, of which one belongs to a group, may be joined.
+//   joints     Each side is joined once: the largest contact first.
+//   surface    Lips that a and b have in common vanish; what nothing covers at a joint is shown.
+
+namespace suture {
+namespace {
+
+using FacePoints = std::array<Index, 4>;
+struct HashOfPoints {
+  std::size_t operator()(const FacePoints& points) const {
+    std::uint64_t hash = 0;
+    for (const Index p : points) hash = (hash ^ p) * 0x9E3779B97F4A7C15u;
+    return hash ^ hash >> 32;
+  }
+};
+
+Index element_at(Dart dart) { return dart / 24; }
+unsigned cube_side_at(Dart dart) { return side_with_face(dart % 24 / 4); }
+
+/// Sides whose material overlaps, and by how much.
+struct SideContact {
+  Seam seam;  ///< in the old numbers
+  double area;
+};
+
+class Uniter {
+ public:
+  Uniter(const CellComplex& complex, const Parts& parts, std::span<const Index> points,
+         const std::vector<std::vector<Index>>& groups)
+      : complex_(complex),
+        parts_(parts),
+        materials_(parts),
+        faces_(parts),
+        points_(points),
+        groups_(groups),
+        copy_of_(complex.element_count(), none) {
+    result_.parts.first.push_back(0);
+  }
+
+  Reunion find() {
+    number_copies();
+    find_sides();
+    find_contacts();
+    join();
+    for (std::size_t g = 0; g < groups_.size(); ++g) add_part(g);
+    return std::move(result_);
+  }
+
+ private:
+  bool is_member(Index element) const { return copy_of_[element] != none; }
+  Index after(Index element) const { return is_member(element) ? copy_of_[element] : element; }
+  Dart after_dart(Dart dart) const { return 24 * after(element_at(dart)) + dart % 24; }
+
+  /// The largest of a group is the origin of its copy.
+  void number_copies() {
+    std::vector<std::pair<Index, std::size_t>> origins;
+    std::vector<Index> members;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      members.insert(members.end(), groups_[g].begin(), groups_[g].end());
+      const auto largest = std::ranges::max_element(groups_[g], {}, [&](Index e) {
+        return parts_.moments[position_in(parts_.elements, e)].fraction;
+      });
+      origins.push_back({*largest, g});
+    }
+    std::ranges::sort(origins);
+    group_of_copy_.resize(origins.size());
+    for (std::size_t i = 0; i < origins.size(); ++i) {
+      const auto& [origin, group] = origins[i];
+      const Index copy = complex_.element_count() + static_cast<Index>(i);
+      group_of_copy_[i] = group;
+      result_.cloning.origins.push_back(origin);
+      for (const Index e : groups_[group]) {
+        copy_of_[e] = copy;
+        if (e != origin) result_.cloning.absorbed.push_back({e, copy});
+      }
+    }
+    std::ranges::sort(result_.cloning.absorbed, {}, &Split::old_cell);
+    std::ranges::sort(members);
+    materials_.find_surface(members, complex_.element_count());
+  }
+
+  FacePoints points_at(Dart side) const {
+    FacePoints points;
+    for (Dart k = 0; k < 4; ++k) points[k] = points_[complex_.origin(side + k)];
+    std::ranges::sort(points);
+    return points;
+  }
+
+  void find_sides() {
+    for (const auto& group : groups_)
+      for (const Index e : group)
+        for (const Dart side : sides_of(e)) sides_[points_at(side)];
+    for (Index e = 0; e < complex_.element_count(); ++e) {
+      if (!complex_.exists(3, e)) continue;
+      for (const Dart side : sides_of(e))
+        if (const auto known = sides_.find(points_at(side)); known != sides_.end())
+          known->second.push_back(side);
+    }
+  }
+
+  void find_contacts() {
+    for (const auto& [points, sides] : sides_)
+      for (const Dart one : sides) {
+        if (!is_member(element_at(one))) continue;
+        for (const Dart other : sides) {
+          const Index there = element_at(other);
+          if (after(there) == after(element_at(one))) continue;
+          if (is_member(there) && there < element_at(one)) continue;
+          // What stays joined to another element that stays is not free.
+          const Dart mate = complex_.beta3(other);
+          if (!is_member(there) && mate != none && !is_member(element_at(mate))) continue;
+          if (const auto seam = seam_of(one, other)) add_contact(*seam);
+        }
+      }
+    std::ranges::sort(contacts_, [](const SideContact& a, const SideContact& b) {
+      return std::tuple(-a.area, a.seam.one, a.seam.other) <
+             std::tuple(-b.area, b.seam.one, b.seam.other);
+    });
+  }
+  /// Corner by corner the same points.
+  std::optional<Seam> seam_of(Dart one, Dart other) const {
+    for (Dart turn = 0; turn < 4; ++turn) {
+      const Seam seam{one, (other & ~3u) | turn};
+      bool is_same = true;
+      for (Dart k = 0; k < 4; ++k)
+        is_same = is_same && points_[corner_vertex(complex_, seam, k)] ==
+                                 points_[partner_vertex(complex_, seam, k)];
+      if (is_same) return seam;
+    }
+    return {};
+  }
+  void add_contact(const Seam& seam) {
+    if (const double area = faces_.area(seam); area > 0) contacts_.push_back({seam, area});
+  }
+
+  void join() {
+    const auto side_after = [&](Dart dart) { return after_dart(dart) & ~3u; };
+    for (const auto& [seam, area] : contacts_) {
+      const Dart one = side_after(seam.one), other = side_after(seam.other);
+      if (joints_.contains(one) || joints_.contains(other)) continue;
+      joints_[one] = other;
+      joints_[other] = one;
+      const Seam joint{after_dart(seam.one), after_dart(seam.other)};
+      const bool was_joined = complex_.beta3(origin_of(joint.one)) == origin_of(joint.other);
+      (was_joined ? result_.cloning.seams : result_.seams).push_back(joint);
+      if (!is_member(element_at(seam.other))) result_.joined.push_back(seam.other);
+    }
+  }
+  /// The dart of the origin of a copy, or the dart itself.
+  Dart origin_of(Dart dart) const {
+    const Index element = element_at(dart);
+    return element < complex_.element_count()
+               ? dart
+               : 24 * result_.cloning.origins[element - complex_.element_count()] + dart % 24;
+  }
+
+  // ------------------------------------------------------------------------ surface --
+
+  void add_part(std::size_t copy_number) {
+    const std::vector<Index>& group = groups_[group_of_copy_[copy_number]];
+    const Index copy = complex_.element_count() + static_cast<Index>(copy_number);
+    std::vector<Material> materials(group.size());
+    for (std::size_t i = 0; i < group.size(); ++i) materials_.of(group[i], materials[i]);
+    MomentSum sum;
+    for (const Material& material : materials) {
+      const Index first = add_points(copy, material.points);
+      for (const auto& [a, b, c, d] : material.tetrahedra) {
+        result_.parts.tetrahedra.push_back({first + a, first + b, first + c, first + d});
+        const auto& x = material.points;
+        sum.add({x[a], x[b], x[c], x[d]});
+      }
+      for (std::size_t t = 0; t < material.triangles.size(); ++t) {
+        const auto& [a, b, c] = material.triangles[t];
+        if (material.is_cut[t] != 0 && has_lip_before(material, t, materials)) continue;
+        result_.parts.triangles.push_back({first + a, first + b, first + c});
+        result_.parts.is_cut.push_back(material.is_cut[t]);
+      }
+    }
+    result_.parts.elements.push_back(copy);
+    result_.parts.moments.push_back(sum.moments());
+    result_.parts.first.push_back(static_cast<Index>(result_.parts.tetrahedra.size()));
+    for (const Dart side : sides_of(copy)) show_uncovered(group, side);
+  }
+
+  static LipTriangle lip(const Material& material, std::size_t t) {
+    const auto& [a, b, c] = material.triangles[t];
+    return LipTriangle({material.points[a], material.points[b], material.points[c]});
+  }
+  /// Whether a lip of another part lies on that triangle of a lip.
+  static bool has_lip_before(const Material& material, std::size_t t,
+                             std::span<const Material> materials) {
+    const LipTriangle here = lip(material, t);
+    for (const Material& other : materials)
+      for (std::size_t i = 0; i < other.triangles.size() && &other != &material; ++i)
+        if (other.is_cut[i] != 0)
+          if (const LipTriangle there = lip(other, i); there.faces(here) && there.covers(here))
+            return true;
+    return false;
+  }
+
+  Index add_points(Index element, std::span<const Vec3> places) {
+    const auto first = static_cast<Index>(result_.parts.points.size());
+    for (const Vec3& at : places) result_.parts.points.push_back({element, at});
+    return first;
+  }
+
+  /// The elements of which one consists.
+  std::span<const Index> members(const Index& element) const {
+    if (element < complex_.element_count()) return {&element, 1};
+    return groups_[group_of_copy_[element - complex_.element_count()]];
+  }
+
+  /// What lies open on both sides of a joint.
+  void show_uncovered(std::span<const Index> group, Dart side) {
+    const auto joint = joints_.find(side);
+    if (joint == joints_.end()) return;
+    const Index other = element_at(joint->second);
+    const unsigned here = cube_side_at(side), there = cube_side_at(joint->second);
+    show(element_at(side), group, here, members(other), there);
+    if (other < complex_.element_count() && materials_.is_part(other))
+      show(other, {&other, 1}, there, group, here);
+  }
+  void show(Index element, std::span<const Index> of, unsigned side, std::span<const Index> behind,
+            unsigned other_side) {
+    for (const Index e : of)
+      for (const SideTriangle& triangle : faces_.triangles_of(e)[side]) {
+        const auto covers = [&](Index b) {
+          return is_covered(triangle, faces_.triangles_of(b)[other_side]);
+        };
+        if (std::ranges::any_of(behind, covers)) continue;
+        const Index first = add_points(element, triangle.places(cube_sides[side]));
+        result_.parts.triangles.push_back({first, first + 1, first + 2});
+        result_.parts.is_cut.push_back(1);
+      }
+  }
+
+  const CellComplex& complex_;
+  const Parts& parts_;
+  PartMaterials materials_;
+  FaceContacts faces_;
+  std::span<const Index> points_;
+  const std::vector<std::vector<Index>>& groups_;
+  std::vector<Index> copy_of_;  ///< by element; none: it stays
+  std::vector<std::size_t> group_of_copy_;
+  std::unordered_map<FacePoints, std::vector<Dart>, HashOfPoints> sides_;
+  std::vector<SideContact> contacts_;
+  std::unordered_map<Dart, Dart> joints_;  ///< first darts of sides, both ways
+  Reunion result_;
+};
+
+}  // namespace
+
+const SideTriangles& FaceContacts::triangles_of(Index element) const {
+  if (!materials_.is_part(element)) return SideTriangles::of_full_element();
+  const auto known = triangles_.find(element);
+  if (known != triangles_.end()) return known->second;
+  Material own;
+  return triangles_.emplace(element, SideTriangles(materials_.of(element, own))).first->second;
+}
+
+double FaceContacts::area(const Seam& seam) const {
+  const auto mine = triangles_of(element_at(seam.one))[cube_side_at(seam.one)],
+             theirs = triangles_of(element_at(seam.other))[cube_side_at(seam.other)];
+  return covered(mine, theirs).area + covered(theirs, mine).area;
+}
+
+std::vector<std::vector<Index>> divided_groups(const CellComplex& complex,
+                                               std::span<const Index> origin,
+                                               const std::vector<std::uint8_t>& is_wanted) {
+  std::map<Index, std::vector<Index>> of_origin;
+  for (Index e = 0; e < complex.element_count(); ++e)
+    if (complex.exists(3, e) && is_wanted[e] != 0) of_origin[origin[e]].push_back(e);
+  std::vector<std::vector<Index>> groups;
+  for (auto& [from, elements] : of_origin)
+    if (elements.size() > 1) groups.push_back(std::move(elements));
+  return groups;
+}
+
+Reunion reunite(const CellComplex& complex, const Parts& parts,
+                std::span<const Index> point_of_vertex,
+                const std::vector<std::vector<Index>>& groups) {
+  return Uniter(complex, parts, point_of_vertex, groups).find();
+}
+
+}  // namespace suture

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Sutures of what blades have divided: the body is as it was.
+#include "kernel/operations/reunite.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <random>
+
+#include "kernel/base/rows.hpp"
+#include "kernel/operations/match_faces.hpp"
+#include "kernel/run/simulation.hpp"
+#include "tests/parts/blade_event.hpp"
+#include "tests/parts/cut_box.hpp"
+#include "tests/run/equilibrium.hpp"
+
+namespace suture::test {
+namespace {
+
+/// A box that knows where its elements and vertices come from.
+struct SewnBox : CutBox {
+  explicit SewnBox(std::array<Index, 3> cells) : CutBox(cells) {
+    for (Index e = 0; e < complex.element_count(); ++e) origin.push_back(e);
+    for (Index v = 0; v < rows.size(); ++v) point.push_back(v);
+  }
+  void follow(const TopologyChange& change) {
+    for (const Split& split : change.splits[0]) {
+      if (rows.size() == point.size()) rows.push_back(Vec3(rows[split.old_cell]));
+      point.push_back(Index{point[split.old_cell]});
+    }
+    for (const Split& copy : change.copies) origin.push_back(Index{origin[copy.old_cell]});
+  }
+  void cut_by(const PlanePatch& patch) {
+    const BladeCut cut =
+        cut_along(complex, parts.parts(), rows[0].data(), PlaneBlade(patch), "/events/0", 3);
+    if (cut.empty()) return;
+    const TopologyChange change = complex.clone_volume(cut.cloning);
+    follow(change);
+    parts.append(cut.parts, cut.cloning.origins);
+    islands.update(complex, change);
+  }
+  /// Those of which all elements are wanted.
+  void sew(const std::vector<std::uint8_t>& is_wanted) {
+    const auto groups = divided_groups(complex, origin, is_wanted);
+    const Reunion reunion = reunite(complex, parts.parts(), point, groups);
+    const TopologyChange change = complex.clone_volume(reunion.cloning);
+    follow(change);
+    parts.close(reunion.joined);
+    parts.append(reunion.parts, reunion.cloning.origins);
+    islands.update(complex, change);
+    sew_all(reunion.seams);
+  }
+  void sew_all(const std::vector<Seam>& seams) {
+    SeamBatch batch(complex);
+    for (const Seam& seam : seams) EXPECT_FALSE(batch.add(seam));
+    islands.update(complex, complex.sew(batch.seams()));
+  }
+  std::vector<Index> origin, point;
+};
+
+PlanePatch plane_through(std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> inside(0.5, 3.5);
+  return {.point = {inside(random), inside(random), inside(random)},
+          .normal = {normal(random), normal(random), normal(random)}};
+}
+
+TEST(Reunite, MakesABoxWholeAgain) {
+  const unsigned runs = std::getenv("SUTURE_FULL") ? 1000 : 40;
+  for (unsigned seed = 1; seed <= runs && !HasFatalFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    SewnBox box({4, 4, 4});
+    for (unsigned i = 0; i < 1 + seed % 4; ++i) box.cut_by(plane_through(random));
+    box.sew(std::vector<std::uint8_t>(box.complex.element_count(), 1));
+    box.sew_all(seams_of_cuts(box.complex, box.point, {}).seams);
+    ASSERT_NO_THROW(box.complex.validate());
+    ASSERT_NO_THROW(box.islands.validate(box.complex));
+    EXPECT_EQ(box.islands.existing(), 1u);
+    EXPECT_EQ(box.complex.existing(3), 64u);
+    EXPECT_EQ(box.complex.existing(0), 125u);
+    ASSERT_NEAR(box.volume(), 64, 64e-12);
+    const Embedding& embedding = box.parts.embedding(box.complex);
+    ASSERT_NO_FATAL_FAILURE(expect_closed(embedding));
+    EXPECT_NEAR(surface_volume(box, embedding), 64, 64e-12);
+    EXPECT_EQ(lip_area(box, embedding), 0);
+  }
+}
+
+// Only on one side of a place: the slit ends there, as where a blade has ended.
+TEST(Reunite, LeavesASlitElsewhere) {
+  const unsigned runs = std::getenv("SUTURE_FULL") ? 500 : 40;
+  for (unsigned seed = 1; seed <= runs && !HasFatalFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    SewnBox box({8, 4, 4});
+    std::uniform_real_distribution<double> tilt(-0.2, 0.2);
+    box.cut_by({.point = {4, 2, 2}, .normal = {tilt(random), tilt(random), 1}});
+    const double lips = lip_area(box, box.parts.embedding(box.complex));
+    std::vector<std::uint8_t> is_wanted;
+    for (Index e = 0; e < box.complex.element_count(); ++e)
+      is_wanted.push_back(box.origin[e] % 8 < 4 ? 1 : 0);
+    box.sew(is_wanted);
+    ASSERT_NO_THROW(box.complex.validate());
+    ASSERT_NO_THROW(box.islands.validate(box.complex));
+    ASSERT_NEAR(box.volume(), 128, 128e-12);
+    const Embedding& embedding = box.parts.embedding(box.complex);
+    ASSERT_NO_FATAL_FAILURE(expect_closed(embedding));
+    EXPECT_NEAR(surface_volume(box, embedding), 128, 128e-12);
+    const double left = lip_area(box, embedding) / lips;  // with faces between whole elements
+    EXPECT_GT(left, 0.4);
+    EXPECT_LT(left, 0.9);
+  }
+}
+
+/// A bar, held at one end and pulled on its side, which an oblique plane cuts right through.
+Scene pulled_bar() {
+  Scene scene = block(tree_plugins(), "tm-faure", {8, 3, 3}, {8, 3, 3},
+                      {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}});
+  hold(scene, at({0, any, any}), 7);
+  load(scene, at({any, 3, any}), {300, 0, 100});
+  Event cut = divide({4.1, 1.4, 1.6}, {1, 0.3, 0.6});
+  cut.at = 0;
+  Event suture;
+  suture.path = "/events/1";
+  suture.what = SewFaces{};
+  suture.at = 0;
+  scene.events = {cut, suture};
+  return scene;
+}
+
+struct SewnRun {
+  explicit SewnRun(const Scene& scene) : simulation(scene, tree_plugins(), diagnostics) {}
+  Vec3 end() {
+    Attributes& a = simulation.built().body().attributes();
+    Vec3 sum{};
+    for (Index v = 0; v < a.vertex_count(); ++v)
+      if (simulation.built().body().complex().exists(0, v) && row(a.rest().rows(), v)[0] > 7.99)
+        sum = plus(sum, minus(row(a.position().rows(), v), row(a.rest().rows(), v)));
+    return sum;
+  }
+  Vec3 momentum() {
+    Attributes& a = simulation.built().body().attributes();
+    Vec3 sum{};
+    for (Index v = 0; v < a.vertex_count(); ++v)
+      sum = plus(sum, scaled(a.mass().get(v, 0), row(a.velocity().rows(), v)));
+    return sum;
+  }
+  Diagnostics diagnostics;
+  Observer nobody;
+  Simulation simulation;
+};
+
+TEST(Reunite, ASewnBarDeformsAsOneThatWasNeverCut) {
+  Scene scene = pulled_bar();
+  scene.solver.integrator = "static";
+  SewnRun sewn(scene);
+  sewn.simulation.run_to(1, sewn.nobody);
+  scene.events.clear();
+  SewnRun whole(scene);
+  whole.simulation.run_to(1, whole.nobody);
+  EXPECT_GT(norm(whole.end()), 0.1);
+  EXPECT_LT(norm(minus(sewn.end(), whole.end())), 1e-6 * norm(whole.end()));
+}
+
+// The halves fly apart, and are sewn when they are apart.
+TEST(Reunite, KeepsMomentum) {
+  Scene scene = pulled_bar();
+  scene.constraints.clear();
+  scene.solver.damping = 0;
+  scene.solver.dt = 0.01;
+  scene.events[1].at = 1;
+  SewnRun run(scene);
+  run.simulation.run_to(0.3, run.nobody);
+  EXPECT_EQ(run.simulation.built().body().islands().existing(), 2u);
+  const Vec3 before = run.momentum();
+  Event suture = scene.events[1];
+  const EventOutcome outcome = run.simulation.apply(suture, run.nobody);
+  EXPECT_GT(outcome.elements_sewn, 9u);
+  EXPECT_EQ(run.simulation.built().body().islands().existing(), 1u);
+  // Velocities lag behind by half a step, in which vertices that are gone had forces.
+  EXPECT_LT(norm(minus(run.momentum(), before)), 1e-3 * norm(before));
+  run.simulation.run_to(0.6, run.nobody);
+  const EnergyBalance e = run.simulation.built().dynamics().balance();
+  EXPECT_LT(std::abs(e.balance), 0.01 * e.exchanged);
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -78,7 +78,8 @@ BenchBody::BenchBody(PluginHost& host, const BodyOptions& options)
   TimeRamp ramp;
   ramp.to = options.ramp;
   body_->add(std::make_unique<Gravity>(attributes(), options.gravity, ramp));
-  dynamics_ = std::make_unique<Dynamics>(*body_, DynamicsOptions{options.integrator});
+  dynamics_ = std::make_unique<Dynamics>(
+      *body_, DynamicsOptions{options.integrator, options.damping, options.solver});
   limits_ = std::make_unique<StepLimits>(*body_);
   std::vector<Index> held;
   for (Index v = 0; v < attributes().vertex_count(); ++v)

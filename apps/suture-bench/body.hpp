@@ -31,7 +31,9 @@ struct BodyOptions {
   bool skip = true;          ///< false: compute also what adds nothing
   bool may_divide = false;   ///< cuts along blades may divide elements
   std::string integrator = "symplectic-euler";
-  double dt = 0;  ///< s; 0: `safety` times the stable step
+  double dt = 0;               ///< s; 0: `safety` times the stable step
+  double damping = 0;          ///< 1/s
+  IntegratorOptions solver{};  ///< of implicit integrators
 };
 
 /// Wall clock of the parts of building a body, s.

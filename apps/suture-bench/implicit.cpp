@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
+#include <algorithm>
+
 #include "apps/suture-bench/cantilever.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
@@ -13,8 +15,8 @@ struct ImplicitOptions {
   std::vector<Index> across{5, 10};
   std::vector<std::string> models{"tm-faure"}, elements{"trilinear", "mean-gradient"},
       integrators{"implicit-euler", "newmark"};
-  double dt = 1.0 / 60;
-  int steps = 30;
+  double dt = 1.0 / 60, budget_ms = 10;
+  int steps = 30, budgeted_steps = 1000;
 };
 
 /// What is asked of a step of 1/60 s of 4,000 trilinear elements.
@@ -63,6 +65,40 @@ Line measure_steps(const std::string& integrator, const suture_model& model,
   return line;
 }
 
+/// Steps that are on time instead of solved, until the damped body rests.
+Line measure_budget(const suture_model& model, const CantileverMesh& mesh,
+                    const ImplicitOptions& options, PluginHost& host) {
+  const double ms = options.budget_ms;
+  const Cantilever& what = cantilever("A0.25");
+  BodyOptions of_body = options_of(what, model, mesh);
+  of_body.integrator = "implicit-euler";
+  of_body.dt = options.dt;
+  of_body.damping = 2;
+  of_body.solver.budget = StepBudget{0, ms / 1000};
+  BenchBody body(host, of_body);
+  body.dynamics().prepare(of_body.dt);
+  std::vector<double> walls;
+  for (int i = 0; i < options.budgeted_steps; ++i) {
+    const double start = wall();
+    body.step();
+    walls.push_back(1e3 * (wall() - start));
+  }
+  return Line()
+      .add("case", what.name + ", damping 2/s")
+      .add("model", model.id)
+      .add("element", mesh.element)
+      .add("elements", static_cast<double>(body.element_count()))
+      .add("budget_ms", ms)
+      .add("steps", static_cast<double>(options.budgeted_steps))
+      .add("late", static_cast<double>(
+                       std::ranges::count_if(walls, [ms](double wall) { return wall > ms; })))
+      .add("worst_ms", *std::ranges::max_element(walls))
+      .add("median_ms", median(walls))
+      .add("builds", static_cast<double>(body.dynamics().newton()->builds()))
+      .add("rest_error_%",
+           100 * (std::abs(tip_of(body, mesh.across) / what.discrete_tip(mesh.across)) - 1));
+}
+
 void run_implicit(const ImplicitOptions& options, Report& report) {
   PluginHost host;
   report.begin("implicit",
@@ -73,6 +109,13 @@ void run_implicit(const ImplicitOptions& options, Report& report) {
       for (const std::string& element : options.elements)
         for (const Index n : options.across)
           report.add(measure_steps(integrator, host.model(model), {n, element}, options, host));
+  if (options.budgeted_steps == 0) return;
+  report.begin("implicit, on a budget",
+               "the same with damping, and implicit Euler with a budget of the wall clock for each "
+               "step: how many steps were late, and how far the tip is from rest in the end");
+  for (const std::string& model : options.models)
+    for (const Index n : options.across)
+      report.add(measure_budget(host.model(model), {n, "trilinear"}, options, host));
 }
 
 }  // namespace
@@ -86,6 +129,8 @@ void add_implicit(CommandLine& line) {
   command.option("--integrators", &options.integrators, "Names as in scenes");
   command.option("--dt", &options.dt, "s").positive();
   command.option("--steps", &options.steps, "Number of steps").positive();
+  command.option("--budget", &options.budget_ms, "ms for each step on a budget").positive();
+  command.option("--budgeted-steps", &options.budgeted_steps, "Number of these; 0: none");
 }
 
 }  // namespace suture::bench

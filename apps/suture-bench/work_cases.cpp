@@ -235,6 +235,14 @@ WorkCase dynamic() {
     for (const std::string name : {"implicit-euler", "newmark"})
       what.methods.push_back(
           stepped(name + " " + dt + " s", R"("integrator": ")" + name + R"(", "dt": )" + dt));
+  for (const char* dt : {"0.02", "0.005", "0.002"})
+    what.methods.push_back(
+        stepped(std::string("implicit-euler, 10 iterations ") + dt + " s",
+                R"("integrator": "implicit-euler", "budget": {"iterations": 10}, "dt": )" +
+                    std::string(dt)));
+  for (const char* dt : {"1e-3", "5e-4", "2e-4"})
+    what.methods.push_back(stepped(std::string("xpbd ") + dt + " s",
+                                   R"("integrator": "xpbd", "dt": )" + std::string(dt)));
   for (const char* error : {"1e-2", "1e-3", "1e-4"})
     what.methods.push_back(
         stepped(std::string("newmark, step error ") + error,

@@ -130,10 +130,11 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   check_selections(scene_, selector_);
   name_elements();
   add_models(diagnostics);
-  const DynamicsOptions options{scene_.solver.integrator,
-                                scene_.solver.damping,
-                                {scene_.solver.step_tolerance, stops_on_inversion(),
-                                 scene_.solver.hold_free_pieces, scene_.solver.follow_path}};
+  const DynamicsOptions options{
+      scene_.solver.integrator,
+      scene_.solver.damping,
+      {scene_.solver.step_tolerance, stops_on_inversion(), scene_.solver.hold_free_pieces,
+       scene_.solver.follow_path, scene_.solver.budget}};
   dynamics_ = std::make_unique<Dynamics>(body_, options);
   limits_ = std::make_unique<StepLimits>(body_);
   add_constraints();
@@ -145,7 +146,8 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
 /// Before the models, which must allow it.
 void BuiltScene::let_parts_grow() {
   const auto event = std::ranges::find_if(scene_.events, &Event::is_along_blade);
-  const std::string path = event->path + "/cut/along: ";
+  const std::string path =
+      event != scene_.events.end() ? event->path + "/cut/along: " : "/divisible: ";
   if (const Index e = first_off_lattice(body_.complex()); e != none)
     throw InputError(
         path + "element " + std::to_string(element_name(e)) +

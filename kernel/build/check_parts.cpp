@@ -62,7 +62,7 @@ void check_parts(const Event& event, bool may_grow) {
   if (event.is_along_blade() && !may_grow)
     throw InputError(event.path +
                      "/cut/along: the scene has no cut along a blade, so its models are not "
-                     "prepared for parts of elements; add such an event to the scene");
+                     "prepared for parts of elements; set \"divisible\": true in the scene");
 }
 
 }  // namespace suture

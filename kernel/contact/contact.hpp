@@ -94,7 +94,7 @@ class Contact final : public ContactLaw {
   PieceContact* pieces() { return pieces_.get(); }
   /// Those of an embedded surface, where its points are now; null without them.
   const PointPairs* find_point_pairs();
-  /// Of lips and pieces.
+  /// The coefficient of lips and pieces.
   double friction_of_pieces() const {
     return pieces_ ? pieces_->friction() : pairs_ ? pairs_->friction() : 0;
   }

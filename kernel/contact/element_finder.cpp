@@ -35,12 +35,12 @@ bool is_in(const Box& box, const Vec3& place, double margin) {
 }
 
 double top_speed(const double* velocity, Index vertices) {
-  double squared = 0;
+  std::array<double, 4> squared{};  // one would wait for itself
   for (Index v = 0; v < vertices; ++v) {
     const Vec3 u = row(velocity, v);
-    squared = std::max(squared, dot(u, u));
+    squared[v % 4] = std::max(squared[v % 4], dot(u, u));
   }
-  return std::sqrt(squared);
+  return std::sqrt(std::ranges::max(squared));
 }
 
 /// The columns of dx/d(at), for the nodes X0..X7.
@@ -94,6 +94,15 @@ void ElementFinder::update(const Box& box, double dt, double margin) {
     if (!complex_.exists(3, e)) continue;
     if (const Box around = box_of(e); overlap(searched_, around)) near_.push_back({e, around});
   }
+  make_groups();
+}
+
+/// Neighbours have numbers near each other, so that groups are small.
+void ElementFinder::make_groups() {
+  groups_.assign((near_.size() + in_group - 1) / in_group, no_box);
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    for (const Near& near : group(g))
+      for (const Vec3& corner : {near.box.low, near.box.high}) include(groups_[g], corner);
 }
 
 /// Vertices that are sewn together jump; copies are new.
@@ -107,10 +116,11 @@ void ElementFinder::follow(const TopologyChange& change) {
     else if (overlap(searched_, around))
       near_.insert(place, {e, around});
   }
+  make_groups();
 }
 
-bool ElementFinder::Near::may_contain(const Vec3& place, double moved) const {
-  return is_in(box, place, moved);
+bool ElementFinder::may_contain(const Box& box, const Vec3& place) const {
+  return is_in(box, place, moved_);
 }
 
 std::optional<Vec3> ElementFinder::locate(Index element, const Vec3& place) const {

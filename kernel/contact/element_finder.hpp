@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
@@ -34,9 +36,12 @@ class ElementFinder {
   /// visit(element, at) for the elements that contain the place, ascending.
   template <class Visit>
   void for_each_around(const Vec3& place, Visit visit) const {
-    for (const Near& near : near_)
-      if (near.may_contain(place, moved_))
-        if (const auto at = inside(near.element, place)) visit(near.element, *at);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      if (!may_contain(groups_[g], place)) continue;
+      for (const Near& near : group(g))
+        if (may_contain(near.box, place))
+          if (const auto at = inside(near.element, place)) visit(near.element, *at);
+    }
   }
 
  private:
@@ -44,16 +49,22 @@ class ElementFinder {
   struct Near {
     Index element;
     Box box;
-    bool may_contain(const Vec3& place, double moved) const;
   };
+  static constexpr std::size_t in_group = 32;
+  std::span<const Near> group(std::size_t g) const {
+    return std::span(near_).subspan(g * in_group, std::min(in_group, near_.size() - g * in_group));
+  }
+  void make_groups();
+  bool may_contain(const Box& box, const Vec3& place) const;
   Box box_of(Index element) const;
 
   const CellComplex& complex_;
   Attributes& attributes_;
   bool is_current_ = false;
-  Box searched_ = no_box;  ///< in which the elements were collected
-  double moved_ = 0;       ///< the tissue since then, at most, m
-  std::vector<Near> near_;
+  Box searched_ = no_box;    ///< in which the elements were collected
+  double moved_ = 0;         ///< the tissue since then, at most, m
+  std::vector<Near> near_;   ///< ascending
+  std::vector<Box> groups_;  ///< around as many consecutive elements each
 };
 
 }  // namespace suture

@@ -16,7 +16,7 @@ Dynamics::Dynamics(Body& body, const DynamicsOptions& options)
     : motion_(body, options.damping),
       integrator_(make_integrator(options.integrator, motion_, options.solver)),
       ledger_(body, motion_.sums()) {
-  const std::string without = is_implicit() ? body.models().without_tangent() : "";
+  const std::string without = newton() ? body.models().without_tangent() : "";
   if (!without.empty())
     throw InputError("the integrator '" + options.integrator +
                      "' needs the derivatives of all forces, and " + without +

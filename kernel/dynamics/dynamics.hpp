@@ -46,6 +46,12 @@ class Dynamics : private Follower {
   }
   /// For an implicit scheme: the linear solver of steps of length dt and why.
   std::string describe_solver(double dt) { return integrator_->describe_solver(dt); }
+  /// Makes what a first step of this length would have to make before it can begin.
+  void prepare(double dt) { integrator_->prepare(dt); }
+  bool is_solved() const { return integrator_->is_solved(); }  ///< Integrator::is_solved()
+  /// Integrator::softness() and step_of_softness().
+  double softness() const { return integrator_->softness(); }
+  double step_of_softness(double softness) { return integrator_->step_of_softness(softness); }
   /// The solver of an implicit scheme, or nullptr.
   Newton* newton() { return integrator_->newton(); }
   /// What a step of length dt from the current state does, without making it: the equations of an

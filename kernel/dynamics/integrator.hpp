@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "kernel/dynamics/motion.hpp"
+#include "kernel/dynamics/step_budget.hpp"
 
 namespace suture {
 
@@ -30,21 +32,31 @@ class Integrator {
   /// Performs the part of a step of length dt that a term may refuse. Throws the errors of terms
   /// (StepRejected: a smaller step may help); the previous state is intact then.
   virtual void begin(double dt) = 0;
+  /// Does beforehand what a step of length dt can be spared.
+  virtual void prepare(double /*dt*/) {}
   /// Completes the step: positions and velocities become those at `end` (= time() + dt, except for
   /// rounding). Throws NotFinite.
   virtual void accept(double end) = 0;
   /// Discards the step as if it had not begun.
   virtual void reject() = 0;
 
-  /// True if steps solve equations: they need no stable step, and their solver is newton().
+  /// True if any step is stable. Where steps solve equations, their solver is newton().
   virtual bool is_implicit() const { return false; }
   virtual Newton* newton() { return nullptr; }
+  /// False if steps are only near to what the scheme's equations say, so that these have nothing to
+  /// do with their derivatives.
+  virtual bool is_solved() const { return true; }
   /// The equations of a step of length dt from the current state, valid until the next call; null
   /// for explicit schemes, whose steps explicit_step() describes.
   virtual const StepEquations* equations(double /*dt*/) { return nullptr; }
   virtual ExplicitStep explicit_step(double /*dt*/) const { return {}; }
   /// The linear solver of a step of length dt, and why; for implicit schemes.
   virtual std::string describe_solver(double /*dt*/) { return {}; }
+  /// The part of the stiffness that steps leave out, the mean of all so far; 0 of schemes whose
+  /// stiffness does not depend on the step.
+  virtual double softness() const { return 0; }
+  /// The step at which it is about this in smooth deformations from the current state, s.
+  virtual double step_of_softness(double /*softness*/) { return 0; }
   /// True if nothing has a velocity: steps are equilibria.
   virtual bool is_static() const { return false; }
   /// True if the velocities lag the positions by half a step.
@@ -75,8 +87,9 @@ struct IntegratorOptions {
   /// By instance of the body: whether an equilibrium in which its elements have become inverted is
   /// no solution. Empty: none.
   std::vector<bool> forbids_inversion{};
-  bool holds_free_pieces = false;  ///< static equilibria: by inertia relief
-  bool follows_path = false;       ///< static equilibria: through limit points (ArcLength)
+  bool holds_free_pieces = false;      ///< static equilibria: by inertia relief
+  bool follows_path = false;           ///< static equilibria: through limit points (ArcLength)
+  std::optional<StepBudget> budget{};  ///< implicit Euler: steps are not solved, but on time
 };
 
 /// Creates an integrator by its name in scenes, for example "symplectic-euler". Throws InputError

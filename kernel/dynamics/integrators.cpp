@@ -20,6 +20,7 @@ constexpr std::array schemes{Scheme{"symplectic-euler", make_symplectic_euler},
                              Scheme{"velocity-verlet", make_velocity_verlet, false, 1. / 6},
                              Scheme{"implicit-euler", make_implicit_euler, true},
                              Scheme{"newmark", make_newmark, true, 1. / 12},
+                             Scheme{"xpbd", make_xpbd, true},
                              Scheme{"static", make_static_equilibrium, true}};
 
 const Scheme* find(const std::string& name) {

@@ -9,6 +9,6 @@ namespace suture {
 using MakeIntegrator = std::unique_ptr<Integrator>(Motion& motion,
                                                    const IntegratorOptions& options);
 MakeIntegrator make_symplectic_euler, make_velocity_verlet, make_implicit_euler, make_newmark,
-    make_static_equilibrium;
+    make_xpbd, make_static_equilibrium;
 
 }  // namespace suture

@@ -64,7 +64,7 @@ void StepWork::begin(const Motion& motion) {
   gravity_ = motion.body().acceleration(motion.time());
 }
 
-StepSums StepWork::sums(const Motion& motion) const {
+StepSums StepWork::sums(const Motion& motion, Losses losses) const {
   Attributes& attributes = motion.body().attributes();
   const double *x = attributes.position().rows(), *v = attributes.velocity().rows(),
                *f = attributes.force().rows();
@@ -78,10 +78,18 @@ StepSums StepWork::sums(const Motion& motion) const {
         sums.kinetic += mass * v[i] * v[i] / 2;
         if (held)
           sums.driven -= force * way;
+        else if (losses == Losses::all)
+          sums.damped += force * way - mass * (v[i] * v[i] - velocity_[i] * velocity_[i]) / 2;
         else
           sums.damped += motion.damping() * mass * (velocity_[i] + v[i]) / 2 * way;
       });
   return sums;
+}
+
+void StepWork::restore(const Motion& motion) const {
+  Attributes& attributes = motion.body().attributes();
+  std::ranges::copy(position_, attributes.position().rows());
+  std::ranges::copy(velocity_, attributes.velocity().rows());
 }
 
 double find_residual(const Motion& motion, const ForceRows& rows, std::span<double> residual) {

@@ -36,8 +36,13 @@ class Residual {
 class StepWork {
  public:
   void begin(const Motion& motion);
-  /// The sums of the step that ends in the current state, whose forces are evaluated. O(vertices).
-  StepSums sums(const Motion& motion) const;
+  /// The sums of the step that ends in the current state, whose forces are evaluated. `losses`:
+  /// what counts as damped: the work of mass damping, or all that the kinetic energy of what is
+  /// free lacks. O(vertices).
+  enum class Losses { damping, all };
+  StepSums sums(const Motion& motion, Losses losses = Losses::damping) const;
+  /// Takes positions and velocities back to the start.
+  void restore(const Motion& motion) const;
   // At the start, rows of 4:
   const std::vector<double>& position() const { return position_; }
   const std::vector<double>& velocity() const { return velocity_; }

@@ -309,6 +309,7 @@ void ForceLoop::follow(const CellComplex& complex, const TopologyChange& change)
     impl_->unstored_force.resize(std::size_t{impl_->attributes.vertex_count()} * 4);
   impl_->follow_fixed(change);
   impl_->awake_rows.clear();
+  impl_->independent.clear();
   const RestPlaces rest = impl_->attributes.rest_places(complex);
   for (RowNodes& nodes : impl_->row_nodes) nodes.update(rest, change);
   for (CompiledFunctor& functor : impl_->functors) functor.update(complex, change);
@@ -333,6 +334,7 @@ void ForceLoop::state(Archive& archive) {
   archive("fed force", i.unstored_force);
   archive("fed is booked", i.unstored_is_booked);
   if (!archive.has_cells()) return;
+  if (archive.loads()) i.independent.clear();
   archive("operated", i.operated);
   archive("still", i.fixed);
   archive.each("awake", i.awake_rows, [](Archive& a, auto& masks) { a.each("masks", masks); });

@@ -199,6 +199,9 @@ struct ForceLoop::Impl {
   void sleep(Instance& instance, std::array<LiveMask, 4>& awake, std::span<const Index> elements);
 
   double energy_of(Index number, double time);
+  Softness project(Index number, const Projection& step);
+  const std::vector<std::vector<loops::BatchRows>>& independent_batches(Index number,
+                                                                        const loops::Job& job);
   void add_cell_work(Index number, const double* direction, double energy, const TangentTime& at,
                      std::span<double> out);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
@@ -227,6 +230,8 @@ struct ForceLoop::Impl {
   LocalRows local;
   /// Rows that are neither dead nor asleep, per instance; empty if none is asleep.
   std::vector<std::array<LiveMask, 4>> awake_rows;
+  /// By functor and chunk; empty until cells are projected.
+  std::vector<std::vector<std::vector<loops::BatchRows>>> independent;
   bool checks = false;                ///< check_plugins()
   std::optional<FunctorTimes> times;  ///< measure()
   bool operated = false;              ///< follow() was called

@@ -259,7 +259,7 @@ bool is_symmetric(const CellTangents& cells) {
       const double* const below = cells.values + (j * rows + i) * lanes;
       const double* const above = cells.values + (i * rows + j) * lanes;
       for (std::size_t l = 0; l < lanes; ++l) {
-        largest[l] = std::max({largest[l], std::abs(below[l]), std::abs(above[l])});
+        largest[l] = std::max(largest[l], std::max(std::abs(below[l]), std::abs(above[l])));
         difference[l] = std::max(difference[l], std::abs(below[l] - above[l]));
       }
     }

@@ -17,7 +17,7 @@ void centroids_of(const CellComplex& complex, const Places& places, std::vector<
 }
 
 std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places,
-                                const Vec3& origin) {
+                                const Vec3& origin, bool divides) {
   Box body = no_box;
   for (Index v = 0; v < complex.count(0); ++v) {
     if (!complex.exists(0, v)) continue;
@@ -37,9 +37,10 @@ std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, co
   };
   return "the blade cuts nothing: " +
          std::string(
-             apart
-                 ? "it lies outside the body"
-                 : "it does not pass between the centroids of any two elements that share a face") +
+             apart     ? "it lies outside the body"
+             : divides ? "it sweeps no whole section of an element"
+                       : "it does not pass between the centroids of any two elements that share a "
+                         "face") +
          "; blade " + text_of(blade) + " m, body " + text_of(body) + " m";
 }
 

@@ -57,9 +57,9 @@ void for_chunks(std::size_t count, const Workers* workers, Visit&& visit) {
 }
 
 /// The message for a blade that has cut nothing: it lies outside the body, or it meets the body's
-/// bounding box but separates no two elements. Both boxes are given in the coordinates of the
-/// scene, shifted by `origin` (m).
+/// bounding box but separates no two elements (or, if it divides elements, holds no whole section
+/// of one). Both boxes are given in the coordinates of the scene, shifted by `origin` (m).
 std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places,
-                                const Vec3& origin = {});
+                                const Vec3& origin = {}, bool divides = false);
 
 }  // namespace suture

@@ -128,6 +128,13 @@ OrientedSurface::Foot OrientedSurface::foot(const Vec3& place, Index start) cons
   return foot_in(tree_->nearest(place, start), place);
 }
 
+std::optional<OrientedSurface::Foot> OrientedSurface::foot_within(const Vec3& place, double within,
+                                                                  Index start) const {
+  const Index triangle = tree_->nearest(place, start, within);
+  if (triangle == none) return {};
+  return foot_in(triangle, place);
+}
+
 Nearest OrientedSurface::distance(const Foot& foot, const Vec3& place, double rounding) {
   const Vec3 away = minus(place, foot.point);
   const double distance = norm(away), height = dot(away, foot.normal);

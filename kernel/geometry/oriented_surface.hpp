@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,8 @@ class OrientedSurface {
   };
   /// On the nearest triangle; the nearer the triangle `start`, the faster. About 1 us.
   Foot foot(const Vec3& place, Index start = 0) const;
+  /// The same, or none if the place is `within` or farther away from the surface.
+  std::optional<Foot> foot_within(const Vec3& place, double within, Index start) const;
   /// The distance of the place from its foot, negative below. `rounding`: nearer, the direction of
   /// the offset is not used, m.
   static Nearest distance(const Foot& foot, const Vec3& place, double rounding);

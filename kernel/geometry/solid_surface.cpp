@@ -74,9 +74,10 @@ void SolidSurface::find_thickness() {
         1. / 3, plus(surface().points[t[0]], plus(surface().points[t[1]], surface().points[t[2]])));
     const auto fits = [&] {
       const Vec3 middle = minus(centroid, scaled(radius, oriented_->face_normal(i)));
-      const double most = -free_of_ball * radius;
-      return greatest_distance(middle) <= most ||
-             (may_be_within(middle, most) && nearest(middle).distance <= most);
+      const double free = free_of_ball * radius;
+      if (greatest_distance(middle) <= -free) return true;
+      return may_be_within(middle, -free) && !oriented_->tree().is_within(middle, free) &&
+             is_inside(middle, free);
     };
     while (radius > rounding_of_cells * radius_ && !fits()) radius /= 2;
   }
@@ -134,6 +135,14 @@ double SolidSurface::least_distance(const Vec3& place) const {
 double SolidSurface::greatest_distance(const Vec3& place) const {
   const std::size_t cell = cell_at(place);
   return cells_[cell].distance + norm(minus(place, centre(cell))) + rounding_of_cells * radius_;
+}
+
+/// Whether a place that is as far from the surface as `distance` is inside: as the centre of its
+/// cell is, if that is nearer.
+bool SolidSurface::is_inside(const Vec3& place, double distance) const {
+  const std::size_t cell = cell_at(place);
+  const bool is_known = norm(minus(place, centre(cell))) < distance;
+  return is_known ? cells_[cell].distance < 0 : nearest(place).distance < 0;
 }
 
 std::vector<Vec3> SolidSurface::points_inside() const {

@@ -56,6 +56,7 @@ class SolidSurface {
   Vec3 centre(std::size_t cell) const;
   double least_distance(const Vec3& place) const;
   double greatest_distance(const Vec3& place) const;
+  bool is_inside(const Vec3& place, double distance) const;
 
   std::unique_ptr<OrientedSurface> oriented_;
   Box box_ = no_box;

@@ -159,7 +159,10 @@ void SurfaceTree::add_planes(std::span<const Index> triangles, Node& node) const
 struct SurfaceTree::Search {
   const Vec3& place;
   double squared_distance;
+  bool is_any_enough = false;
   Index found = none;  ///< nearer than at the start
+
+  bool is_over() const { return is_any_enough && found != none; }
 };
 
 /// A lower bound of the squared distance.
@@ -199,18 +202,18 @@ void SurfaceTree::descend(Index node, Search& search) const {
     std::swap(near, far);
   }
   if (near < search.squared_distance) descend(first, search);
-  if (far < search.squared_distance) descend(second, search);
+  if (far < search.squared_distance && !search.is_over()) descend(second, search);
 }
 
-Index SurfaceTree::nearest(const Vec3& place, Index start) const {
-  Search search{place, std::numeric_limits<double>::infinity()};
+Index SurfaceTree::nearest(const Vec3& place, Index start, double within) const {
+  Search search{place, within * within};
   examine({&start, 1}, search);
   descend(1, search);
   return search.found;
 }
 
 bool SurfaceTree::is_within(const Vec3& place, double distance) const {
-  Search search{place, distance * distance};
+  Search search{place, distance * distance, true};
   descend(1, search);
   return search.found != none;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "kernel/geometry/surface.hpp"
@@ -29,8 +30,10 @@ class SurfaceTree {
   /// `surface` must outlive the tree. Cost: 0.25 us per triangle.
   explicit SurfaceTree(const TriangleSurface& surface);
 
-  /// A triangle nearest to a place; the nearer the triangle `start`, the faster the search.
-  Index nearest(const Vec3& place, Index start) const;
+  /// A triangle nearest to a place, or none if all are `within` or farther away. The nearer the
+  /// triangle `start`, the faster the search.
+  Index nearest(const Vec3& place, Index start,
+                double within = std::numeric_limits<double>::infinity()) const;
   /// Whether a triangle is nearer than `distance`.
   bool is_within(const Vec3& place, double distance) const;
   /// Calls visit(some, others) with lists of a few triangles, so that each pair of triangles whose

@@ -38,6 +38,10 @@ constexpr double asymmetry = 1e-9;  // that rounding makes
 void require_smooth(Dynamics& dynamics) {
   Body& body = dynamics.body();
   if (const std::string fields = why_fields_have_none(body); !fields.empty()) refuse_run(fields);
+  if (!dynamics.is_solved())
+    refuse_run(
+        "its steps do not solve the equations of motion; remove /solver/budget, or use "
+        "another integrator than \"xpbd\"");
   bool touches = body.contact() != nullptr;
   for_each_with<NonsmoothTerm>(body.terms(), [&](NonsmoothTerm&) { touches = true; });
   if (touches)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/implicit/implicit_integrator.hpp"
 
-#include <algorithm>
-
 #include "kernel/base/error.hpp"
 
 namespace suture {
@@ -37,9 +35,11 @@ void ImplicitIntegrator::begin(double dt) {
   solve(equations_);
 }
 
+void ImplicitIntegrator::find(const StepEquations& equations) { newton_.solve(equations); }
+
 void ImplicitIntegrator::solve(const StepEquations& equations) {
   try {
-    newton_.solve(equations);
+    find(equations);
   } catch (const StepRejected&) {
     throw;
   } catch (const NumericalError& error) {
@@ -54,9 +54,7 @@ void ImplicitIntegrator::accept(double end) {
 }
 
 void ImplicitIntegrator::reject() {
-  Attributes& attributes = motion_.body().attributes();
-  std::ranges::copy(work_.position(), attributes.position().rows());
-  std::ranges::copy(work_.velocity(), attributes.velocity().rows());
+  work_.restore(motion_);
   // Multipliers of the attempt go.
   for_each_with<ConstraintTerm>(motion_.body().terms(),
                                 [&](ConstraintTerm& term) { term.begin_step(motion_.time()); });

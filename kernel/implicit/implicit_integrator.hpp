@@ -33,6 +33,8 @@ class ImplicitIntegrator : public Integrator {
   virtual void set(StepEquations& equations) = 0;
   /// Solves them. Throws StepRejected where a smaller step may help, NumericalError where not.
   virtual void solve(const StepEquations& equations);
+  /// What solve() does, with all errors as they come.
+  virtual void find(const StepEquations& equations);
 
  private:
   void set_equations(double dt);

@@ -23,10 +23,13 @@ constexpr unsigned max_newton_iterations = 50, max_trials = 12;
 constexpr unsigned max_nested_iterations = 25;
 constexpr unsigned max_updates = 50;  // of constraints
 // A part of the forces: what a predicted equilibrium may leave of them, where motions are
-// prescribed.
-constexpr double good_prediction = 0.3;
+// prescribed. What a cut releases is less than what the first iteration of a motion leaves.
+constexpr double good_prediction = 1;
 // Forcing terms of the linear solves.
 constexpr double first_forcing = 0.1, least_forcing = 1e-3;
+// The order of convergence that they allow. With 2, systems are solved more accurately than they
+// describe the next state: rotations leave more.
+constexpr double forcing_order = 1.3;
 // What is left for the tolerance, if one iteration may do.
 constexpr double within_reach = 0.01;
 
@@ -121,8 +124,9 @@ void Newton::set_remaining(double time) {
 
 // ---------------------------------------------------------------- directions --
 
-/// Solves A d = r - A d_p with d = d_p on prescribed components.
-LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance) {
+/// Solves A d = r - A d_p with d = d_p on prescribed components; with a clock as far as it allows.
+LinearSolve Newton::find_direction(const StepEquations& equations, double tolerance,
+                                   StepClock* clock) {
   solver_.set_matrix(equations);
   const TangentMatrix& matrix = solver_.matrix();
   std::vector<double> right = residual_;
@@ -132,7 +136,8 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
     matrix.restrict(right);
   }
-  const LinearSolve solve = solver_.solve(right, direction_, tolerance);
+  const LinearSolve solve = clock ? solver_.solve_within(*clock, right, direction_, tolerance)
+                                  : solver_.solve(right, direction_, tolerance);
   for (std::size_t i = 0; i < remaining_.size(); ++i) direction_[i] += remaining_[i];
   if (relief_) relief_->remove_rigid_motion(direction_);
   return solve;
@@ -214,8 +219,9 @@ const std::vector<double>& Newton::residual(const StepEquations& equations) {
 ///   E(x*) - E(x) = -(r(x) + r(x*)) . d / 2
 /// The residual itself would count stiff motions too much. Where x* is an equilibrium, what is
 /// prescribed has arrived; if it moves, there is no such energy, and the residual has to be small.
-void Newton::start_from_prediction(const StepEquations& equations) {
-  if (!equations.is_predicted) return;
+/// False if nothing moves.
+bool Newton::start_from_prediction(const StepEquations& equations) {
+  if (!equations.is_predicted) return false;
   double* x = motion_.body().attributes().position().rows();
   const std::vector<double> before(x, x + equations.position.size()), residual = residual_;
   set_remaining(equations.time);
@@ -228,12 +234,13 @@ void Newton::start_from_prediction(const StepEquations& equations) {
     double work = 0;
     for (std::size_t i = 0; i < residual.size(); ++i)
       work += (residual[i] + residual_[i]) * (x[i / 3 * 4 + i % 3] - before[i / 3 * 4 + i % 3]);
-    if (arrives && is_moving_ ? left < good_prediction * scale_ : work > 0) return;
+    if (arrives && is_moving_ ? left < good_prediction * scale_ : work > 0) return true;
   } catch (const NumericalError&) {
     // The forces do not exist there.
   }
   std::ranges::copy(before, x);
   evaluate(equations);
+  return false;
 }
 
 /// From the coarse levels where that is worthwhile; from the current positions otherwise, or if
@@ -280,10 +287,10 @@ bool Newton::update_constraints(double time) {
 void Newton::find_solution(const StepEquations& equations) {
   start(equations);
   evaluate(equations);
-  start_from_prediction(equations);
+  const bool is_near = start_from_prediction(equations);
   double* x = motion_.body().attributes().position().rows();
   const std::vector<double> before(x, x + equations.position.size());
-  if (start_from_coarse_levels(equations)) {
+  if (!is_near && start_from_coarse_levels(equations)) {
     try {
       return iterate(equations, max_nested_iterations);
     } catch (const NumericalError&) {
@@ -354,7 +361,8 @@ double Newton::forcing(const Progress& progress) const {
   if (progress.iterations == 0)
     return enough < within_reach ? first_forcing : std::min(enough, first_forcing);
   const double gain = progress.residual / progress.last;
-  return std::clamp(std::max(0.9 * gain * gain, enough), least_forcing, first_forcing);
+  return std::clamp(std::max(0.9 * std::pow(gain, forcing_order), enough), least_forcing,
+                    first_forcing);
 }
 
 Newton::TangentCheck Newton::check_tangent(double time) {

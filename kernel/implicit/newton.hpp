@@ -45,6 +45,18 @@ class Newton {
   /// then. One evaluation of the forces per iteration and trial step, and the linear solves.
   void solve(const StepEquations& equations);
 
+  /// Makes one linearised step towards the solution instead, as far as the clock allows: after it,
+  /// the energy is at most that before it and the work on the body (budgeted_step.cpp). Two
+  /// evaluations of forces and energies, and the linear solve. Throws NumericalError if the forces
+  /// do not exist where prescribed vertices have to be.
+  void take_step(const StepEquations& equations, StepClock& clock);
+  /// Builds the preconditioner of take_step() for the current state.
+  void prepare(const StepEquations& equations);
+  /// What the linear solves of take_step() left; "" if all reached the tolerance or there were
+  /// none.
+  std::string budget_text() const;
+  void budget_state(Archive& archive);  ///< what that text says
+
   /// To be called when cells have changed.
   void forget() { solver_.forget(); }
   /// To be called when a step begins, and when it is rejected.
@@ -132,7 +144,7 @@ class Newton {
   bool update_constraints(double time);
   void iterate_through_kinks(const StepEquations& equations);
   void iterate(const StepEquations& equations, unsigned allowed);
-  void start_from_prediction(const StepEquations& equations);
+  bool start_from_prediction(const StepEquations& equations);
   bool start_from_coarse_levels(const StepEquations& equations);
   bool solve_on_level(const StepEquations& equations, CoarseSystem& system);
   double evaluate(const StepEquations& equations);
@@ -140,7 +152,8 @@ class Newton {
   bool is_symmetric(const StepEquations& equations) const;
   void move(double step);
   void set_remaining(double time);
-  LinearSolve find_direction(const StepEquations& equations, double tolerance);
+  LinearSolve find_direction(const StepEquations& equations, double tolerance,
+                             StepClock* clock = nullptr);
   double search(const StepEquations& equations);
   bool is_solved(const StepEquations& equations, const Progress& progress);
   double forcing(const Progress& progress) const;
@@ -151,6 +164,10 @@ class Newton {
 
   std::uint64_t element_at(Index vertex) const;
 
+  struct StepStart;
+  double growth(const StepEquations& equations, const StepStart& start) const;
+  bool try_part(const StepEquations& equations, const StepStart& start, double part);
+
   Motion& motion_;
   double tolerance_;
   std::optional<InertiaRelief> relief_;  ///< of static equilibria that request it
@@ -158,6 +175,11 @@ class Newton {
   bool is_moving_ = false;                 ///< prescribed components have not arrived
   std::vector<NonsmoothTerm*> nonsmooth_;  ///< of the body, in the current solve
   unsigned limited_steps_ = 0, iterations_ = 0;
+  /// Calls of take_step(), and those that the budget ended.
+  struct Budgeted {
+    std::uint64_t steps = 0, ended = 0;
+    double largest_residual = 0;  ///< of the linear solves, relative
+  } budgeted_;
   double rounding_limit_ = 0;
   double scale_ = 0;
   // 3 numbers per vertex:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "kernel/dynamics/integrators.hpp"
 #include "kernel/implicit/arc_length.hpp"
@@ -12,7 +13,8 @@ namespace {
 
 /// Equilibria, one after the other: f(x, time) + m g = 0 at the end of each step. Time is only the
 /// parameter of ramps, motions and events; nothing has a velocity. Where loads and motions go on as
-/// before, the next equilibrium is near  x + dt (x - x_before) / dt_before.
+/// before, the next equilibrium is near  x + dt (x - x_before) / dt_before. What a cut releases in
+/// a step does not go on: the change before it does.
 class StaticEquilibrium final : public ImplicitIntegrator {
  public:
   StaticEquilibrium(Motion& motion, const IntegratorOptions& options)
@@ -23,7 +25,9 @@ class StaticEquilibrium final : public ImplicitIntegrator {
 
   void accept(double end) override {
     ImplicitIntegrator::accept(end);
+    const bool was_cut = std::exchange(is_cut_, false);
     if (dt() == 0) return;  // the equilibrium after an event
+    if (was_cut && !change_.empty()) return;
     const double* x = motion_.body().attributes().position().rows();
     change_.resize(start().size());
     for (std::size_t i = 0; i < change_.size(); ++i) change_[i] = (x[i] - start()[i]) / dt();
@@ -32,6 +36,7 @@ class StaticEquilibrium final : public ImplicitIntegrator {
   /// Copies of vertices go on like these.
   void follow(const TopologyChange& change) override {
     ImplicitIntegrator::follow(change);
+    is_cut_ = true;
     if (change_.empty()) return;
     change_.resize(std::size_t{motion_.body().attributes().vertex_count()} * 4);
     for (const Split& split : change.splits[0])
@@ -42,6 +47,7 @@ class StaticEquilibrium final : public ImplicitIntegrator {
   void state(Archive& archive) override {
     ImplicitIntegrator::state(archive);
     archive("change", change_);
+    archive("is_cut", is_cut_);
     if (!archive.loads()) return;
     const std::size_t size = std::size_t{motion_.body().attributes().vertex_count()} * 4;
     archive.require(change_.empty() || change_.size() == size,
@@ -66,6 +72,7 @@ class StaticEquilibrium final : public ImplicitIntegrator {
   }
 
   std::vector<double> change_;  ///< of the positions with the time, rows of 4, m/s; empty: unknown
+  bool is_cut_ = false;         ///< since the last equilibrium
   LoadPath path_;
   std::optional<ArcLength> arc_length_;
 };

@@ -2,6 +2,7 @@
 #include "kernel/implicit/step_solver.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -87,24 +88,40 @@ void StepSolver::choose() {
 
 LinearSolve StepSolver::solve(std::span<const double> b, std::span<double> x, double tolerance) {
   if (choice_.kind != PreconditionerChoice::Kind::multigrid) levels_ = 0;
-  const auto solve_in = [&](unsigned iterations) {
-    const Preconditioner& preconditioner = *choice_.preconditioner;
-    return is_symmetric_ ? symmetric_.solve(matrix_, preconditioner, b, x, tolerance, iterations)
-                         : whole_.solve(matrix_, preconditioner, b, x, tolerance, iterations);
-  };
   LinearSolve result;
   result.outcome = LinearSolve::Outcome::too_many;
   if (is_ready()) {
     const double expected = built_.expected_iterations(tolerance);
-    result = solve_in(static_cast<unsigned>(2 * expected) + tried_iterations);
+    result = iterate(static_cast<unsigned>(2 * expected) + tried_iterations, b, x, tolerance);
   }
   if (result.outcome != LinearSolve::Outcome::converged) {
     build();
-    result = solve_in(max_krylov_iterations);
+    result = iterate(max_krylov_iterations, b, x, tolerance);
   }
   const bool was_new = built_.decrease == 0;
   if (!built_.note(result) || result.outcome != LinearSolve::Outcome::converged) discard();
   if (was_new && is_slow(result)) find_end();
+  return result;
+}
+
+LinearSolve StepSolver::iterate(const IterationLimit& limit, std::span<const double> b,
+                                std::span<double> x, double tolerance) {
+  const Preconditioner& preconditioner = *choice_.preconditioner;
+  return is_symmetric_ ? symmetric_.solve(matrix_, preconditioner, b, x, tolerance, limit)
+                       : whole_.solve(matrix_, preconditioner, b, x, tolerance, limit);
+}
+
+void StepSolver::prepare() {
+  if (!is_ready()) build();
+}
+
+LinearSolve StepSolver::solve_within(StepClock& clock, std::span<const double> b,
+                                     std::span<double> x, double tolerance) {
+  prepare();
+  const LinearSolve result = iterate(clock.limit(), b, x, tolerance);
+  clock.end_solve();
+  const bool is_good = built_.note(result) && result.outcome != LinearSolve::Outcome::indefinite;
+  if (!is_good && clock.allows_build(build_seconds_)) discard();
   return result;
 }
 
@@ -127,7 +144,9 @@ void StepSolver::build() {
   Attributes& attributes = motion_.body().attributes();
   const double* x = attributes.position().rows();
   discard();
+  const auto start = std::chrono::steady_clock::now();
   choice_.preconditioner->build(matrix_);
+  build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ++builds_;
   built_.position.assign(x, x + std::size_t{attributes.vertex_count()} * 4);
   built_.factors = factors_;
@@ -169,7 +188,7 @@ double StepSolver::Built::expected_iterations(double residual) const {
 /// False if it is of no more use: large steps on the way to a solution change the tangent as much
 /// as many small ones.
 bool StepSolver::Built::note(const LinearSolve& solve) {
-  if (!is_new) {
+  if (!is_new && decrease > 0) {
     excess = std::max(0.0, excess + solve.iterations - expected_iterations(solve.residual));
     return excess <= iterations_worth_a_build;
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernel/dynamics/motion.hpp"
+#include "kernel/implicit/step_clock.hpp"
 #include "kernel/implicit/step_equations.hpp"
 #include "kernel/solvers/choice.hpp"
 #include "kernel/solvers/gmres.hpp"
@@ -43,6 +44,12 @@ class StepSolver {
 
   /// Solves A x = b. Throws the errors of terms.
   LinearSolve solve(std::span<const double> b, std::span<double> x, double tolerance);
+  /// The same as far as the clock allows, by the preconditioner that there is, if there is one. One
+  /// that has become slow is built again in the next solve, if there is time for it.
+  LinearSolve solve_within(StepClock& clock, std::span<const double> b, std::span<double> x,
+                           double tolerance);
+  /// Builds the preconditioner for the current state unless there is one.
+  void prepare();
   /// The levels of the multigrid, whose operators the caller may overwrite.
   CoarseLevels coarse_levels();
   /// The preconditioner belongs to a state that leads nowhere.
@@ -96,6 +103,8 @@ class StepSolver {
   void set(const Factors& factors);
   PreconditionerChoice new_choice() const;
   void choose();
+  LinearSolve iterate(const IterationLimit& limit, std::span<const double> b, std::span<double> x,
+                      double tolerance);
   bool is_slow(const LinearSolve& solve) const;
   void find_end();
   void build();
@@ -114,6 +123,7 @@ class StepSolver {
   Built built_;
   Before before_;
   unsigned builds_ = 0;
+  double build_seconds_ = 0;  ///< of the wall clock, of the last one
   bool is_symmetric_ = true;
   bool is_chosen_ = false;  ///< choice_ is that for this solve
   bool is_built_ = false;   ///< from built_

@@ -28,15 +28,11 @@ bool is_along_blade(const Json& event) {
   return along != event.begin().value().end() && *along == "blade";
 }
 
-/// The scene with a cut along a blade, far from the body and at its end: so its models are prepared
-/// for such cuts.
+/// The scene with models that are prepared for cuts along blades.
 std::unique_ptr<Scene> divisible(const Scene& scene, PluginHost& host, Diagnostics& diagnostics) {
-  using Ordered = nlohmann::ordered_json;
   SceneSource source = scene.source;
-  Ordered text = Ordered::parse(source.text, nullptr, true, true);
-  text["events"].push_back(
-      {{"at", scene.solver.end.value_or(1e6)},
-       {"cut", {{"plane", {{"point", {1e6, 0, 0}}, {"normal", {1, 0, 0}}}}, {"along", "blade"}}}});
+  auto text = nlohmann::ordered_json::parse(source.text, nullptr, true, true);
+  text["divisible"] = true;
   source.text = text.dump();
   auto made = std::make_unique<Scene>(read_scene_source(source, {}, host, diagnostics));
   leave_out_results(*made);
@@ -102,8 +98,12 @@ void LiveRun::act(const std::string& what, const Json& input, Observer& observer
     const Json& event = input.at("event");
     const std::string name = event.is_object() && !event.empty() ? event.begin().key() : "action";
     if (is_along_blade(event)) make_divisible(observer);
-    as_action(name == "sweep" ? "cut" : name, [&] { apply(json_text(event), observer); });
+    as_action(
+        name == "sweep" ? "cut" : name, [&] { apply(json_text(event), observer); },
+        input.value("aimed", false));
     if (name == "parameters" || name == "gravity") tell_lists();
+  } else if (what == "aim") {
+    aim();
   } else if (what == "grab") {
     grab(input.at("at").get<Vec3>(), observer);
   } else if (what == "take") {
@@ -132,10 +132,26 @@ void LiveRun::apply(const std::string& value, Observer& observer, const std::str
   record(input);
 }
 
+/// What was done since the scene began, if that is known.
+std::optional<std::vector<RecordedInput>> LiveRun::all_inputs() const {
+  auto all = earlier_;
+  if (!all || !recording_->has_inputs()) return all;
+  const std::vector<RecordedInput> since = recording_->read().inputs;
+  all->insert(all->end(), since.begin(), since.end());
+  return all;
+}
+
 /// Sends a scene that does what was done so far.
 void LiveRun::send_scene() {
-  if (!recording_->has_inputs()) throw InputError("nothing was done yet that a scene could repeat");
-  const RecordedScene scene = scene_of(recording_->read(), simulation_->time());
+  if (!recording_->is_on())
+    throw InputError("the script has done what neither a recording nor a scene can repeat");
+  const auto inputs = all_inputs();
+  if (!inputs)
+    throw InputError(
+        "a scene begins at rest, and the checkpoint at which this run began does not say what was "
+        "done before: only those of suture live do");
+  if (inputs->empty()) throw InputError("nothing was done yet that a scene could repeat");
+  const RecordedScene scene = scene_of(scene_->source.text, *inputs, simulation_->time());
   for (const std::string& input : scene.left_out)
     tell("warning", "a scene cannot say this input, which was left out: " + input);
   server_.say(json_text(Json{{"scene", scene.text}, {"name", scene_->file.stem().string()}}));
@@ -145,7 +161,7 @@ void LiveRun::send_scene() {
 /// with such models. Throws the errors of Simulation and of repeat(); nothing has changed then.
 void LiveRun::make_divisible(Observer& observer) {
   if (simulation_->attributes().parts().may_grow()) return;
-  require_own("prepare it for cuts along blades; add one to the events of its scene");
+  require_own("prepare it for cuts along blades; set \"divisible\": true in its scene");
   if (start_)
     throw InputError(
         "this run began at a checkpoint of a scene without cuts along blades, so it cannot make "
@@ -172,6 +188,7 @@ void LiveRun::make_divisible(Observer& observer) {
       *simulation);
   done.start = state_hash(*simulation);
   done.last_step = simulation_->step();  // to where this run is
+  CheckpointHeader header = checkpoint_header(simulation->built(), host_);
   auto pictures = std::make_unique<Pictures>(*simulation, pictures_->last_number());
   if (!repeat(done, *scene, *simulation, observer, diagnostics_))
     throw InputError("the run made again ended earlier; cut along faces");
@@ -179,6 +196,7 @@ void LiveRun::make_divisible(Observer& observer) {
   recording_->end(*simulation_);
   kept_.clear();
   take(std::move(simulation), std::move(pictures));
+  header_ = std::move(header);
   divisible_ = std::move(scene);
   scene_ = divisible_.get();
   recording_ = std::move(recording);
@@ -191,7 +209,9 @@ void LiveRun::save_checkpoint() {
   const std::filesystem::path file =
       free_name(recording_->path().parent_path(), *scene_, "checkpoint", ".h5");
   try {
-    suture::save_checkpoint(*simulation_, header_, file);
+    CheckpointHeader header = header_;
+    if (const auto inputs = all_inputs()) header.inputs = lines_of(*inputs);
+    suture::save_checkpoint(*simulation_, std::move(header), file);
   } catch (const IoError& error) {
     return tell("error", error.what());
   }
@@ -226,23 +246,44 @@ void LiveRun::go_back(const Json& input, Observer& observer) {
   tell_lists();
 }
 
-void LiveRun::keep(const std::string& name, bool is_before_action) {
-  if (!own_) return;
-  KeptState kept{
-      name, is_before_action, simulation_->time(), simulation_->step(), recording_->inputs(),
-      hand_};
+KeptState LiveRun::state_now() {
+  KeptState kept;
+  kept.time = simulation_->time();
+  kept.step = simulation_->step();
+  kept.inputs = recording_->inputs();
+  kept.hand = hand_;
   if (device_hand_) kept.cursor = device_hand_->cursor();
   StateTree spare = kept_.take_spare();
   kept.state = simulation_->save(&spare);
-  kept_.keep(std::move(kept));
+  return kept;
+}
+
+void LiveRun::keep(const std::string& name, bool is_before_action) {
+  if (own_) keep(state_now(), name, is_before_action);
+}
+
+void LiveRun::keep(KeptState state, const std::string& name, bool is_before_action) {
+  aimed_.reset();  // states are in the order of the run
+  state.name = name;
+  state.is_before_action = is_before_action;
+  kept_.keep(std::move(state));
   tell_lists();
 }
 
-/// Keeps the state before an action, which may be refused.
-void LiveRun::as_action(const std::string& name, const std::function<void()>& action) {
-  next_picture_ = Wall::now();  // who acts wants to see it
+/// Copies the state, O(body), while a page draws the way of a tool: who lets go of the mouse then
+/// need not wait for it.
+void LiveRun::aim() {
+  if (!own_) return;
+  if (aimed_) kept_.set_spare(std::move(aimed_->state));
+  aimed_ = state_now();
+}
+
+/// Keeps the state before an action, which may be refused; that of aim() if the action was aimed.
+void LiveRun::as_action(const std::string& name, const std::function<void()>& action,
+                        bool is_aimed) {
+  next_picture_ = acted_ = Wall::now();  // who acts wants to see it
   if (!own_) return action();
-  keep(name, true);
+  keep(is_aimed && aimed_ ? *std::move(aimed_) : state_now(), name, true);
   try {
     action();
   } catch (const NumericalError&) {
@@ -283,6 +324,8 @@ void LiveRun::drag(const Vec3& to, Observer& observer) {
       hand_->led(to, now, std::max(hand_delay * std::clamp(speed, 0.01, 1.0), shortest));
   apply(next.input(), observer);
   hand_ = next;
+  if (status_.is_playing) make_steps(1, observer);  // a picture shows that it moves
+  next_picture_ = Wall::now();
 }
 
 void LiveRun::let_go(Observer& observer) {

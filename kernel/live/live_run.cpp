@@ -22,7 +22,7 @@ constexpr double shortest_interval = 1.0 / 60, longest_interval = 1.0 / 15, shar
 constexpr double slice = 0.004, slice_with_device = 0.001;
 /// A run that cannot keep up does not try to catch up on more than this, s.
 constexpr double most_behind = 0.1;
-constexpr auto idle = std::chrono::milliseconds(20);
+constexpr auto idle = std::chrono::milliseconds(20), rest_after_action = 25 * idle;
 
 }  // namespace
 
@@ -100,6 +100,7 @@ void LiveRun::take(std::unique_ptr<Simulation> simulation, std::unique_ptr<Pictu
   simulation_ = own_.get();
   status_.is_playing = status_.has_ended = status_.has_failed = is_shown_ = false;
   hand_.reset();
+  aimed_.reset();
   tell_lists();
   if (device_) follow(*device_, device_obstacle_);
 }
@@ -111,7 +112,7 @@ void LiveRun::run(Observer& observer) {
     for (const std::string& text : server_.take_inputs()) obey(text, reporter);
     report_warnings();
     show();  // before steps, which may take long
-    prepare_to_keep();
+    catch_up();
     if (status_.is_playing)
       make_due_steps(reporter);
     else
@@ -119,9 +120,14 @@ void LiveRun::run(Observer& observer) {
   }
 }
 
-/// Who acts shall not wait for memory: after a picture was shown, some is taken for the next state.
-void LiveRun::prepare_to_keep() {
-  if (own_ && is_shown_ && !kept_.has_spare()) kept_.set_spare(simulation_->save());
+/// While the picture of an action is drawn, nothing shall take its time.
+bool LiveRun::has_just_acted() const { return Wall::now() < acted_ + rest_after_action; }
+
+/// Takes memory for the next state, which who acts would have to wait for, and shows the curves.
+void LiveRun::catch_up() {
+  if (!is_shown_ || has_just_acted()) return;
+  if (own_ && !kept_.has_spare()) kept_.set_spare(simulation_->save());
+  if (lacks_curves_) is_shown_ = false;
 }
 
 void LiveRun::end() {
@@ -140,13 +146,19 @@ void LiveRun::watch() {
 void LiveRun::show_last() {
   report_warnings();
   status_.is_playing = false;
-  if (server_.is_watched()) server_.show(pictures_->picture(status_));
+  if (!server_.is_watched()) return;
+  pictures_->plot();
+  server_.show(pictures_->picture(status_));
 }
 
 void LiveRun::resume(Checkpoint checkpoint, const std::filesystem::path& file, Observer& observer) {
   require_fit(checkpoint.header, header_, file);
   start_.emplace(std::move(checkpoint.state));
-  load_checkpoint(file, [&] { simulation_->load(*start_); });
+  earlier_.reset();
+  load_checkpoint(file, [&] {
+    simulation_->load(*start_);
+    if (checkpoint.header.inputs) earlier_ = inputs_of(*checkpoint.header.inputs);
+  });
   pictures_->find_surface_again();
   recording_ = RecordingWriter(recording_->path(), *scene_, *simulation_, file);
   for (const char* grasp : {hand_name, device_grasp_name})
@@ -245,21 +257,24 @@ void LiveRun::measure(std::uint64_t steps, double simulated) {
 // -------------------------------------------------------------------- pages --
 
 void LiveRun::show() {
-  const auto now = Wall::now();
   show_device();
-  if (is_shown_ || !server_.wants_picture() || now < next_picture_) return;
-  is_shown_ = true;
+  if (is_shown_ || !server_.wants_picture() || Wall::now() < next_picture_) return;
+  lacks_curves_ = has_just_acted();
+  Wall::time_point start;
   try {
+    if (!lacks_curves_ && !status_.has_failed) pictures_->plot();
+    start = Wall::now();  // curves have a pace of their own
     feel_hand();
     server_.show(pictures_->picture(status_));
   } catch (const NumericalError& error) {
     return fail(error.what());
   }
-  const double spent = Seconds(Wall::now() - now).count();
+  is_shown_ = true;
+  const double spent = Seconds(Wall::now() - start).count();
   const auto interval = std::chrono::duration_cast<Wall::duration>(
       Seconds(std::clamp(spent / share, shortest_interval, longest_interval)));
   // From when it was due, or else a late one would delay all others.
-  next_picture_ = std::max(next_picture_ + interval, now);
+  next_picture_ = std::max(next_picture_ + interval, start);
 }
 
 void LiveRun::report_warnings() {

@@ -79,7 +79,8 @@ class LiveRun {
   void require_own(const std::string& what) const;
   void fail(const std::string& why);
   void show();
-  void prepare_to_keep();
+  bool has_just_acted() const;
+  void catch_up();
   void measure(std::uint64_t steps, double simulated);
   void report_warnings();
   void tell(const char* key, const std::string& text);
@@ -98,13 +99,18 @@ class LiveRun {
   bool control(const std::string& what, const Json& input, Observer& observer);
   void act(const std::string& what, const Json& input, Observer& observer);
   void play(bool plays);
+  std::optional<std::vector<RecordedInput>> all_inputs() const;
   void send_scene();
   void save_checkpoint();
   void make_divisible(Observer& observer);
   void reset(Observer& observer);
   void go_back(const Json& input, Observer& observer);
+  KeptState state_now();
   void keep(const std::string& name, bool is_before_action);
-  void as_action(const std::string& name, const std::function<void()>& action);
+  void keep(KeptState state, const std::string& name, bool is_before_action);
+  void aim();
+  void as_action(const std::string& name, const std::function<void()>& action,
+                 bool is_aimed = false);
   void apply(const std::string& value, Observer& observer, const std::string& device = "page");
   void grab(const Vec3& at, Observer& observer);
   void take_tool(const std::string& tool, const Vec3& at, Observer& observer);
@@ -122,18 +128,22 @@ class LiveRun {
   std::optional<RecordingWriter> recording_;
   CheckpointHeader header_;         ///< of checkpoints of a run of its own
   std::optional<StateTree> start_;  ///< if it began at a checkpoint
+  /// Inputs before the checkpoint at which it began, if that says so.
+  std::optional<std::vector<RecordedInput>> earlier_{std::in_place};
   std::string field_ = "displacement";
   LiveStatus status_;
   bool is_shown_ = false;
+  bool lacks_curves_ = false;  ///< the last picture
   std::optional<Hand> hand_;
   Device* device_ = nullptr;
   std::string device_obstacle_;
   std::optional<DeviceHand> device_hand_;
   KeptStates kept_;
+  std::optional<KeptState> aimed_;  ///< that of aim()
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;
-  Wall::time_point playing_since_, next_picture_;
+  Wall::time_point playing_since_, next_picture_, acted_;
   double seconds_per_step_ = 0, dt_ = 0;
   /// Since status_ was last measured.
   struct Measured {

@@ -30,8 +30,9 @@ std::unique_ptr<LiveServer> open_live_server(std::uint16_t port, const std::stri
   std::unique_ptr<LiveServer> server(open(options, problem));
   if (!server)
     throw IoError(
-        "cannot listen on port " + std::to_string(port) + (host.empty() ? "" : " of " + host) +
-        ": " + problem + "; choose another one (--port), or none to get one that is free" +
+        "cannot listen on " + (port == 0 ? "any port" : "port " + std::to_string(port)) +
+        (host.empty() ? "" : " of '" + host + "'") + ": " + problem +
+        "; choose another one (--port), or none to get one that is free" +
         (host.empty() ? "" : ", and an address of this machine (--host), such as 0.0.0.0"));
   return server;
 }

@@ -13,8 +13,8 @@
 
 namespace suture {
 
-/// A state of a run as two binary messages (docs/live.md): the triangles, and what changes in each
-/// step. A page that has the triangles with this number gets the second one only.
+/// A state of a run as two binary messages (docs/live.md): the faces, and what changes in each
+/// step. A page that has the faces with this number gets the second one only.
 struct LivePicture {
   std::uint64_t surface_number = 0;
   std::shared_ptr<const std::string> surface, state;

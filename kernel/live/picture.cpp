@@ -16,8 +16,7 @@ namespace {
 
 using Json = nlohmann::json;
 using Wall = std::chrono::steady_clock;
-/// Between two points of the curves; they take at most a fiftieth of the time: energies cost
-/// O(elements).
+/// Between two points of the curves: at least, and as a multiple of the time that they take.
 constexpr std::chrono::nanoseconds plot_interval = std::chrono::milliseconds(100);
 constexpr int plot_share = 50;
 static_assert(std::endian::native == std::endian::little, "messages are little-endian");
@@ -146,6 +145,14 @@ void Pictures::choose(const std::string& field) {
   field_ = static_cast<std::size_t>(&field_named(fields_, field, "field") - fields_.data());
 }
 
+void Pictures::plot() {
+  const auto start = Wall::now();
+  if (start < next_plot_) return;
+  plotted_ = plots_.values();
+  const auto end = Wall::now();
+  next_plot_ = end + std::max(plot_interval, plot_share * (end - start));
+}
+
 LivePicture Pictures::picture(const LiveStatus& status) {
   const std::uint64_t number = first_number_ + surface_.number();
   if (number != last_number_ || !surface_text_) {
@@ -156,17 +163,14 @@ LivePicture Pictures::picture(const LiveStatus& status) {
 }
 
 std::string Pictures::surface_message() {
-  const auto triangles = surface_.triangles();
-  const auto edges = surface_.edges();
   std::string message = begin_message({{"kind", "surface"},
                                        {"surface", last_number_},
                                        {"points", surface_.size()},
-                                       {"triangles", triangles.size()},
-                                       {"laid_open", surface_.laid_open()},
-                                       {"edges", edges.size()}},
-                                      12 * (triangles.size() + surface_.size()) + 8 * edges.size());
-  append(message, triangles);
-  append(message, edges);
+                                       {"faces", surface_.face_count()},
+                                       {"corners", surface_.corners_per_face()},
+                                       {"laid_open", surface_.laid_open()}},
+                                      4 * surface_.corners().size() + 12 * surface_.size());
+  append(message, surface_.corners());
   std::vector<float> rest;
   rest.reserve(3 * surface_.size());
   surface_.append_rest(rest);
@@ -202,11 +206,7 @@ std::string Pictures::state_message(const LiveStatus& status) {
             {"poses", poses},
             {"blades", blades_json(simulation_)}};
   if (status.hand) head["hand"] = {{"place", status.hand->place}, {"force", status.hand->force}};
-  if (const auto start = Wall::now(); start >= next_plot_ && !status.has_failed) {
-    head["plots"] = plots_.values();
-    const auto end = Wall::now();
-    next_plot_ = end + std::max(plot_interval, plot_share * (end - start));
-  }
+  if (!plotted_.empty()) head["plots"] = std::exchange(plotted_, {});
   if (!status.device.name.empty()) head["device"] = device_json(status.device);
   std::string message = begin_message(head, 16 * surface_.size());
   append(message, std::span<const float>(positions));

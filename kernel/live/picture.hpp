@@ -41,8 +41,10 @@ class Pictures {
   nlohmann::json greeting() const;
   /// Shows another field from now on. Throws InputError if there is none of this name.
   void choose(const std::string& field);
-  /// O(boundary), and the costs of the field and, at most ten times per second, of the plots.
-  /// Throws NumericalError if a value to plot is not finite.
+  /// Takes the values of the plots, which the next picture has, at most ten times per second and a
+  /// fiftieth of the time. O(elements). Throws NumericalError if one is not finite.
+  void plot();
+  /// O(boundary), and the cost of the field.
   LivePicture picture(const LiveStatus& status);
   /// Call after the simulation has loaded a state.
   void find_surface_again() { surface_.find_again(); }
@@ -58,6 +60,7 @@ class Pictures {
   ShownSurface surface_;
   Plots plots_;
   std::chrono::steady_clock::time_point next_plot_;
+  std::vector<double> plotted_;
   std::vector<FieldChoice> fields_;
   std::size_t field_ = 0;
   std::uint64_t first_number_, last_number_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/live/recording.hpp"
 
+#include <sstream>
 #include <string_view>
 
 #include "kernel/base/checksum.hpp"
@@ -24,6 +25,17 @@ std::string file_text(const std::filesystem::path& path) {
   InputFile file(path);
   if (!file.problem().empty()) throw IoError(path.string() + ": " + file.problem());
   return file.read_all();
+}
+
+std::string line_of(const RecordedInput& input) {
+  return line_of({{"step", input.step},
+                  {"time", input.time},
+                  {"device", input.device},
+                  {"value", Lines::parse(input.value)}});
+}
+RecordedInput input_of(const Lines& line) {
+  return {whole_number(line.at("step"), "its step"), line.value("time", 0.0), line.at("device"),
+          line.at("value").dump()};
 }
 
 void read_header(const Lines& line, Recording& recording) {
@@ -65,11 +77,25 @@ void read_line(const Lines& line, Recording& recording) {
   if (line.contains("end"))
     recording.end = line.at("state");
   else
-    recording.inputs.push_back(
-        {step, line.value("time", 0.0), line.at("device"), line.at("value").dump()});
+    recording.inputs.push_back(input_of(line));
 }
 
 }  // namespace
+
+std::string lines_of(std::span<const RecordedInput> inputs) {
+  std::string lines;
+  for (const RecordedInput& input : inputs) lines += line_of(input);
+  return lines;
+}
+
+std::vector<RecordedInput> inputs_of(const std::string& lines) try {
+  std::vector<RecordedInput> inputs;
+  std::istringstream text(lines);
+  for (std::string line; std::getline(text, line);) inputs.push_back(input_of(Lines::parse(line)));
+  return inputs;
+} catch (const Lines::exception& error) {
+  throw InputError(std::string("its inputs are not understood: ") + error.what());
+}
 
 bool is_recording(const std::filesystem::path& path) {
   InputFile file(path);
@@ -157,6 +183,7 @@ RecordingWriter::RecordingWriter(std::filesystem::path file, const Scene& scene,
                                  Simulation& simulation, const std::filesystem::path& checkpoint)
     : path_(file.empty() ? free_name("", scene, "recording", ".jsonl") : std::move(file)),
       first_step_(simulation.step()) {
+  Folder::open(path_.parent_path());  // rather than fail at the first input
   Lines header{{"recording", version},
                {"program", "suture " SUTURE_VERSION},
                {"isa", std::string(simulation.isa())},
@@ -183,10 +210,7 @@ void RecordingWriter::write(const std::string& line) {
 }
 
 void RecordingWriter::input(const RecordedInput& input) {
-  write(line_of({{"step", input.step},
-                 {"time", input.time},
-                 {"device", input.device},
-                 {"value", Lines::parse(input.value)}}));
+  write(line_of(input));
   ++inputs_;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,10 @@ struct Recording {
   std::string end;  ///< state_hash() after the last step; "" if the program was killed
 };
 
+/// Inputs as lines of a recording, and back. The latter throws InputError.
+std::string lines_of(std::span<const RecordedInput> inputs);
+std::vector<RecordedInput> inputs_of(const std::string& lines);
+
 /// Whether a file begins like a recording; false if it cannot be read.
 bool is_recording(const std::filesystem::path& file);
 /// Throws InputError with the line at fault. A last line without its end is ignored: the program
@@ -56,7 +61,8 @@ std::string state_hash(Simulation& simulation);
 std::filesystem::path free_name(const std::filesystem::path& folder, const Scene& scene,
                                 const std::string& what, const std::string& ending);
 
-/// Writes a recording, each input at once. The file is created by the first input. Throws IoError.
+/// Writes a recording, each input at once. The file is created by the first input, in a folder that
+/// exists. Throws IoError.
 class RecordingWriter {
  public:
   /// `file`: "" for a name made from that of the scene, which no file has yet. `checkpoint`: the

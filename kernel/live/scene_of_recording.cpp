@@ -145,16 +145,14 @@ class SceneWriter {
 
 }  // namespace
 
-RecordedScene scene_of(const Recording& recording, double end) {
-  if (!recording.checkpoint.empty())
-    throw InputError("the run began at " + recording.checkpoint.string() +
-                     "; a scene begins at rest, so it cannot do what was done since");
+RecordedScene scene_of(const std::string& scene, std::span<const RecordedInput> inputs,
+                       double end) {
   try {
-    SceneWriter writer(recording.source.text);
-    for (const RecordedInput& input : recording.inputs) writer.add(input);
+    SceneWriter writer(scene);
+    for (const RecordedInput& input : inputs) writer.add(input);
     return writer.finish(end);
   } catch (const Ordered::exception& error) {
-    throw InputError(std::string("an input of the recording is not understood: ") + error.what());
+    throw InputError(std::string("an input is not understood: ") + error.what());
   }
 }
 

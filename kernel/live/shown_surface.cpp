@@ -19,13 +19,6 @@ double scalar_of(const FrameField& field, std::size_t i) {
                    field.components == 1 || field.principal);
 }
 
-/// Every edge of a closed surface belongs to two faces, which run along it in opposite directions.
-template <std::size_t N>
-void add_edges(const std::array<Index, N>& corners, std::vector<std::array<Index, 2>>& edges) {
-  for (std::size_t k = 0; k < N; ++k)
-    if (const Index a = corners[k], b = corners[(k + 1) % N]; a < b) edges.push_back({a, b});
-}
-
 }  // namespace
 
 std::vector<FieldChoice> shown_fields(BuiltScene& built) {
@@ -47,12 +40,15 @@ ShownSurface::ShownSurface(BuiltScene& built) : built_(built), boundary_(built.b
 
 std::uint64_t ShownSurface::number() {
   if (is_current_) return number_;
-  triangles_.clear();
-  edges_.clear();
+  corners_.clear();
+  inside_.clear();
   if (built_.parts().empty())
     find_boundary();
   else
     find_embedded();
+  corners_.insert(corners_.end(), inside_.begin(), inside_.end());
+  laid_open_ = inside_.size() / corners_per_face();
+  compress();
   is_current_ = true;
   return ++number_;
 }
@@ -67,20 +63,20 @@ void ShownSurface::find_again() {
   is_current_ = false;
 }
 
-void ShownSurface::find_boundary() {
-  std::vector<std::array<Index, 3>> inside;
-  for (std::size_t i = 0; i < boundary_.faces().size(); ++i) {
-    const Index face = boundary_.faces()[i];
-    const BoundarySurface::Corners& c = boundary_.corners()[i];
-    auto& list = face < was_boundary_.size() && was_boundary_[face] ? triangles_ : inside;
-    list.insert(list.end(), {{c[0], c[1], c[2]}, {c[0], c[2], c[3]}});
-    add_edges(c, edges_);
-  }
-  triangles_.insert(triangles_.end(), inside.begin(), inside.end());
-  laid_open_ = inside.size();
-  compress(built_.body().complex().count(0), 0);
+template <std::size_t N>
+void ShownSurface::add_face(const std::array<Index, N>& corners, bool is_laid_open) {
+  std::vector<Index>& list = is_laid_open ? inside_ : corners_;
+  list.insert(list.end(), corners.begin(), corners.end());
 }
 
+void ShownSurface::find_boundary() {
+  for (std::size_t i = 0; i < boundary_.faces().size(); ++i) {
+    const Index face = boundary_.faces()[i];
+    add_face(boundary_.corners()[i], face >= was_boundary_.size() || !was_boundary_[face]);
+  }
+}
+
+/// Embedded points have numbers behind those of the vertices.
 void ShownSurface::find_embedded() {
   const Embedding& embedding = built_.embedding();
   const Index first = built_.body().complex().count(0);
@@ -88,23 +84,17 @@ void ShownSurface::find_embedded() {
     const Index v = embedding.points.vertex(p);
     return v == none ? first + p : v;
   };
-  std::vector<std::array<Index, 3>> inside;
   for (std::size_t i = 0; i < embedding.triangles.size(); ++i) {
     const auto& t = embedding.triangles[i];
-    const std::array<Index, 3> corners{place(t[0]), place(t[1]), place(t[2])};
-    (embedding.is_laid_open[i] == 0 ? triangles_ : inside).push_back(corners);
-    add_edges(corners, edges_);
+    add_face(std::array{place(t[0]), place(t[1]), place(t[2])}, embedding.is_laid_open[i] != 0);
   }
-  triangles_.insert(triangles_.end(), inside.begin(), inside.end());
-  laid_open_ = inside.size();
-  compress(first, embedding.points.size());
 }
 
-/// From numbers of vertices and, behind these, of embedded points to places in the list of points.
-void ShownSurface::compress(std::size_t vertex_count, std::size_t embedded_count) {
-  std::vector<Index> place(vertex_count + embedded_count, none);
-  for (const auto& corners : triangles_)
-    for (const Index corner : corners) place[corner] = 0;
+/// From numbers of vertices and embedded points to places in the list of points.
+void ShownSurface::compress() {
+  const std::size_t vertex_count = built_.body().complex().count(0);
+  std::vector<Index> place(vertex_count + built_.embedding().points.size(), none);
+  for (const Index corner : corners_) place[corner] = 0;
   vertices_.clear();
   embedded_.clear();
   Index next = 0;
@@ -116,10 +106,7 @@ void ShownSurface::compress(std::size_t vertex_count, std::size_t embedded_count
     else
       embedded_.push_back(static_cast<Index>(i - vertex_count));
   }
-  for (auto& corners : triangles_)
-    for (Index& corner : corners) corner = place[corner];
-  for (auto& ends : edges_)
-    for (Index& end : ends) end = place[end];
+  for (Index& corner : corners_) corner = place[corner];
 }
 
 void ShownSurface::append_positions(std::vector<float>& out) const {

@@ -20,7 +20,7 @@ class ShownSurface final : private Follower {
   /// `built` must outlive it, and may then not change any more.
   explicit ShownSurface(BuiltScene& built);
 
-  /// Increases whenever triangles change. They are found at the first call after an operation:
+  /// Increases whenever faces change. They are found at the first call after an operation:
   /// O(surface), and a pass over a list of vertices.
   std::uint64_t number();
   /// Call after the state of another simulation was loaded. O(elements).
@@ -29,11 +29,12 @@ class ShownSurface final : private Follower {
   // ---- after number(), until the next operation ----
 
   std::size_t size() const { return vertices_.size() + embedded_.size(); }  ///< points
-  /// Counterclockwise as seen from outside; those that cuts and removals have laid open come last.
-  std::span<const std::array<Index, 3>> triangles() const { return triangles_; }
+  /// Those of the faces, counterclockwise as seen from outside. Faces that cuts and removals have
+  /// laid open come last.
+  std::span<const Index> corners() const { return corners_; }
+  std::size_t corners_per_face() const { return built_.parts().empty() ? 4 : 3; }
+  std::size_t face_count() const { return corners_.size() / corners_per_face(); }
   std::size_t laid_open() const { return laid_open_; }
-  /// Edges of the elements; of a surface of triangles, their edges.
-  std::span<const std::array<Index, 2>> edges() const { return edges_; }
   /// The points, relative to the body's own origin.
   void append_positions(std::vector<float>& out) const;
   void append_rest(std::vector<float>& out) const;
@@ -46,9 +47,11 @@ class ShownSurface final : private Follower {
  private:
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   void append(const Column& places, std::vector<float>& out) const;
+  template <std::size_t N>
+  void add_face(const std::array<Index, N>& corners, bool is_laid_open);
   void find_boundary();
   void find_embedded();
-  void compress(std::size_t vertex_count, std::size_t embedded_count);
+  void compress();
   std::vector<double> at_vertices(const FieldChoice& field, const FrameField& values) const;
 
   BuiltScene& built_;
@@ -56,10 +59,9 @@ class ShownSurface final : private Follower {
   std::vector<bool> was_boundary_;  ///< by face at the start, 6 e + f
   bool is_current_ = false;
   std::uint64_t number_ = 0;
-  // Points: vertices, then embedded ones; the other lists refer to places in this order.
+  // Points: vertices, then embedded ones; corners refer to places in this order.
   std::vector<Index> vertices_, embedded_;
-  std::vector<std::array<Index, 3>> triangles_;
-  std::vector<std::array<Index, 2>> edges_;
+  std::vector<Index> corners_, inside_;  ///< the latter: of faces laid open, while they are found
   std::size_t laid_open_ = 0;
 };
 

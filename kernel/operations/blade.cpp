@@ -8,7 +8,6 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/geometry/surface_tree.hpp"
 
 namespace suture {
 namespace {
@@ -77,24 +76,36 @@ std::vector<double> SurfacePatch::heights(const CellComplex& complex, const doub
                                           std::size_t stride) const {
   const double within =
       known_within * (longest_edge_ > 0 ? longest_edge_ : longest_edge(complex, rows, stride));
-  Box box = box_of(surface().points);
-  for (std::size_t c = 0; c < 3; ++c) {
-    box.low[c] -= within;
-    box.high[c] += within;
-  }
-  const double size = norm(minus(box.high, box.low));
+  const Box box = box_of(surface().points);
+  return heights_in({&box, 1}, complex, rows, stride, within);
+}
+
+std::vector<double> SurfacePatch::heights_in(std::span<const Box> boxes, const CellComplex& complex,
+                                             const double* rows, std::size_t stride,
+                                             double within) const {
+  const Box surface_box = box_of(surface().points);
+  const double size = norm(minus(surface_box.high, surface_box.low));
+  Box all = no_box;
+  for (const Box& box : boxes)
+    for (const Vec3& corner : {box.low, box.high}) include(all, corner);
+  const auto is_near = [&](const Vec3& place) {
+    return contains(all, place, within) &&
+           std::ranges::any_of(boxes, [&](const Box& box) { return contains(box, place, within); });
+  };
   std::vector<double> heights(complex.count(0), std::numeric_limits<double>::quiet_NaN());
   Index last = 0;
   for (Index v = 0; v < heights.size(); ++v) {
     if (!complex.exists(0, v)) continue;
     const Vec3 place = place_of(rows, stride, v);
-    if (!contains(box, place) || !surface_.tree().is_within(place, within)) continue;
-    const OrientedSurface::Foot foot = surface_.foot(place, last);
-    last = foot.triangle;
-    const Nearest nearest = OrientedSurface::distance(foot, place, 1e-12 * size);
+    if (!is_near(place)) continue;
+    const auto foot = surface_.foot_within(place, within, last);
+    if (!foot) continue;
+    last = foot->triangle;
+    const Nearest nearest = OrientedSurface::distance(*foot, place, 1e-12 * size);
     // Beyond the rim it goes on: so do the sections of the elements in front of it.
-    heights[v] = foot.is_on_border ? dot(minus(place, foot.point), foot.normal) / norm(foot.normal)
-                                   : nearest.distance;
+    heights[v] = foot->is_on_border
+                     ? dot(minus(place, foot->point), foot->normal) / norm(foot->normal)
+                     : nearest.distance;
   }
   return heights;
 }

@@ -112,6 +112,7 @@ class Cutter {
     for (Index e = 0; e < complex_.element_count(); ++e) {
       if (!complex_.exists(3, e)) continue;
       const Hexahedron& nodes = complex_.vertices_of(e);
+      if (std::isnan(heights_[nodes[0]])) continue;  // far away, as below
       double low = heights_[nodes[0]], high = low, sum = 0;
       for (const Index v : nodes) {
         low = std::min(low, heights_[v]);
@@ -337,7 +338,8 @@ class Cutter {
     }
   }
 
-  /// Of the pieces from `first` to before `last` that became a copy; the first is one of them.
+  /// Together, the pieces from `first` to before `last` that became a copy; the first is one of
+  /// them.
   PartMoments moments_of(Index copy, Index first, Index last) const {
     if (std::count(&copy_of_[first], &copy_of_[first] + (last - first), copy) == 1)
       return pieces_[first].part.moments;

@@ -88,6 +88,7 @@ struct EventRunner::Call {
 
   EventOutcome cut_along_blade(const Blade& blade) const;
   EventOutcome cut_along_sheet() const;
+  EventOutcome cut_to(const std::vector<Vec3>& edge, double at, bool is_last) const;
   EventOutcome divide(const BladeCut& cut) const;
 
   EventOutcome operator()(const CutSurface&) const {
@@ -196,15 +197,36 @@ struct EventRunner::Call {
 EventOutcome EventRunner::Call::cut_along_blade(const Blade& blade) const {
   const BladeCut cut =
       cut_along(built.body().complex(), built.parts(), shape(), blade, event.path + "/cut/along");
-  if (cut.empty()) warn_once(" cut no element: the blade misses the body" + or_is_cut());
+  if (cut.empty())
+    warn_once(
+        " cut no element: the blade misses the body, only touches it, or holds no "
+        "whole section of an element" +
+        or_is_cut());
   return divide(cut);
 }
 
-/// What a moving blade has swept is known at rest.
+/// In a step, a blade may go through the whole body.
 EventOutcome EventRunner::Call::cut_along_sheet() const {
   const MovingBlade& blade = *state.blade;
-  if (time < blade.begin() || !state.sheet->advance(blade.at(time), time, time >= blade.end()))
-    return {};
+  EventOutcome outcome;
+  if (time < blade.begin()) return outcome;
+  const double from = std::clamp(state.sheet->time(), blade.begin(), time),
+               to = std::max(from, std::min(time, blade.end()));
+  const int parts = state.sheet->rows_between(blade.at(from), blade.at(to));
+  for (int i = 1; i <= parts; ++i) {
+    const double at = i < parts ? from + (to - from) * i / parts : time;
+    const EventOutcome cut =
+        cut_to(blade.at(std::min(at, to)), at, i == parts && time >= blade.end());
+    outcome += cut;
+    outcome.faces.insert(outcome.faces.end(), cut.faces.begin(), cut.faces.end());
+  }
+  return outcome;
+}
+
+/// What a moving blade has swept is known at rest.
+EventOutcome EventRunner::Call::cut_to(const std::vector<Vec3>& edge, double at,
+                                       bool is_last) const {
+  if (!state.sheet->advance(edge, at, is_last)) return {};
   const BladeCut cut =
       cut_along(built.body().complex(), built.parts(), built.body().attributes().rest().rows(),
                 *state.sheet, event.path + "/cut/along", 4, state.sheet->ties());
@@ -475,7 +497,7 @@ void EventRunner::finish() {
     if (states_[i].blade) {
       text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
                                          Places{built_.body().attributes().position().rows()},
-                                         built_.frame().origin);
+                                         built_.frame().origin, states_[i].sheet != nullptr);
     }
     diagnostics_.warn(text);
   }

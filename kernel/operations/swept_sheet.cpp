@@ -14,9 +14,15 @@ namespace {
 
 // The distances between points of the edge, and between rows of the sheet; in elements.
 constexpr double between_points = 0.5, between_rows = 0.25;
+// How many rows are waited for before the body is cut along them.
+constexpr std::size_t rows_per_cut = 2;
+// Corners of an element that a row crosses, and of its neighbours, are so near, in elements; and
+// points of a row that are near each other.
+constexpr double seen_within = 3;
+constexpr std::size_t points_per_box = 5;
 // How much of the sheet is kept behind the edge, and how far the edge goes on outside the tissue
 // before its sheet ends; in elements.
-constexpr double kept_behind = 4, kept_outside = 2;
+constexpr double kept_behind = 3, kept_outside = 2;
 // Around the edge, in elements.
 constexpr double searched = 2;
 // In another stroke, of an element: what is nearer to an earlier sheet is on it.
@@ -88,6 +94,10 @@ bool SweptSheet::find_shifts(const Row& row) {
   return true;
 }
 
+int SweptSheet::rows_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
+  return static_cast<int>(std::clamp(std::ceil(way(from, to) / (between_rows * size_)), 1.0, 1e6));
+}
+
 SweptSheet::Row SweptSheet::at_rest(Row row) const {
   for (std::size_t i = 0; i < row.points.size(); ++i)
     row.points[i] = plus(row.points[i], shifts_[i]);
@@ -106,8 +116,10 @@ bool SweptSheet::advance(const std::vector<Vec3>& points, double time, bool is_l
   approach_.clear();
   const Row traced = at_rest(now);
   const double least = is_last ? 0 : between_rows * size_;
-  if (!rows_.empty() && way(rows_.back().points, traced.points) <= least) return false;
-  if (turns_back(traced)) {  // another stroke
+  if (!rows_.empty() && way(rows_.back().points, traced.points) <= least)
+    return is_last && new_rows_ > 0;
+  if (turns_back(traced)) {  // another stroke, once the body is cut along this one
+    if (new_rows_ > 0) return true;
     rows_.erase(rows_.begin(), rows_.end() - 1);
     ++stroke_;
   }
@@ -115,9 +127,10 @@ bool SweptSheet::advance(const std::vector<Vec3>& points, double time, bool is_l
   if (is_inside) last_inside_ = now;
   if (way(last_inside_.points, now.points) > kept_outside * size_) {
     rows_.clear();
+    new_rows_ = 0;
     ++stroke_;
   }
-  return rows_.size() > 1;
+  return rows_.size() > 1 && (is_last || new_rows_ >= rows_per_cut);
 }
 
 /// It comes nearer, or goes elsewhere.
@@ -140,13 +153,17 @@ bool SweptSheet::turns_back(const Row& row) const {
 
 void SweptSheet::add(Row row) {
   rows_.push_back(std::move(row));
+  ++new_rows_;
   if (static_cast<double>(rows_.size()) * between_rows > kept_behind) rows_.erase(rows_.begin());
   sheet_.reset();
 }
 
 void SweptSheet::roll_back(double time) {
   for (std::vector<Row>* rows : {&rows_, &approach_})
-    while (!rows->empty() && rows->back().time > time) rows->pop_back();
+    while (!rows->empty() && rows->back().time > time) {
+      rows->pop_back();
+      if (rows == &rows_ && new_rows_ > 0) --new_rows_;
+    }
   time_ = time;
   sheet_.reset();
   finder_.forget();
@@ -156,7 +173,8 @@ void SweptSheet::roll_back(double time) {
 
 std::vector<double> SweptSheet::heights(const CellComplex& complex, const double* rest,
                                         std::size_t stride) const {
-  std::vector<double> heights = sheet().heights(complex, rest, stride);
+  std::vector<double> heights =
+      sheet().heights_in(new_boxes(), complex, rest, stride, seen_within * size_);
   const auto is_kept = [&](Index v) { return !std::isnan(heights[v]) && !std::isnan(kept_[v]); };
   double agreement = 0;  // the sheet may run the other way than in an earlier stroke
   for (Index v = 0; v < heights.size(); ++v)
@@ -169,6 +187,15 @@ std::vector<double> SweptSheet::heights(const CellComplex& complex, const double
       heights[v] = kept_[v];
   }
   return heights;
+}
+
+/// Around neighbouring points of the new rows and of the one before them.
+std::vector<Box> SweptSheet::new_boxes() const {
+  const std::size_t count = rows_[0].points.size();
+  std::vector<Box> boxes((count + points_per_box - 1) / points_per_box, no_box);
+  for (std::size_t k = rows_.size() - std::min(rows_.size(), new_rows_ + 1); k < rows_.size(); ++k)
+    for (std::size_t i = 0; i < count; ++i) include(boxes[i / points_per_box], rows_[k].points[i]);
+  return boxes;
 }
 
 /// Rows k and k + 1 and points i and i + 1 of the edge make two triangles.
@@ -189,6 +216,7 @@ const SurfacePatch& SweptSheet::sheet() const {
 }
 
 void SweptSheet::keep(const std::vector<double>& heights, std::span<const Index> divided) {
+  new_rows_ = 0;
   for (const Index e : divided) {
     ++times_divided_[e];
     for (const Index v : complex_.vertices_of(e)) {
@@ -224,6 +252,7 @@ void SweptSheet::state(Archive& archive) {
   archive("shifts", shifts_);
   archive.each("approach", approach_);
   archive.each("rows", rows_);
+  archive("new rows", new_rows_);
   archive("last inside", last_inside_);
   archive("time", time_);
   archive("kept", kept_);

@@ -20,7 +20,7 @@
 // Each place of the edge is traced back to where its tissue is at rest. What it has swept there is
 // a sheet that grows, and the body at rest is cut along the sheet as along any other surface: an
 // element is divided as soon as the sheet holds its whole section. The opening therefore lags
-// behind the edge by up to an element.
+// behind the edge by up to an element and a half.
 //
 // The heights of the nodes of a divided element are kept: where the sheet bends later, elements
 // that are divided then agree with it on the faces that they share, and its copies are not cut
@@ -34,10 +34,14 @@ class SweptSheet final : public Blade {
   SweptSheet(const CellComplex& complex, Attributes& attributes, const std::vector<Vec3>& edge);
 
   /// The edge is at these points now, after the last call. Returns true if a cut may have something
-  /// to do: it has advanced by a quarter of an element, or `is_last`. 1 ns per vertex and 1 us per
-  /// point of the edge.
+  /// to do: it has advanced by half an element, or `is_last`. 1 ns per vertex
+  /// and 1 us per point of the edge.
   bool advance(const std::vector<Vec3>& points, double time, bool is_last);
-  /// Call before elements are divided by a cut along this, with its heights.
+  /// When advance() was last called, s.
+  double time() const { return time_; }
+  /// How often it must be called for an edge that moves so far: at least once.
+  int rows_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
+  /// Call after each cut along this, before elements are divided, with its heights.
   void keep(const std::vector<double>& heights, std::span<const Index> divided);
   void follow(const TopologyChange& change);
   /// Call after a rollback to `time`; nothing was divided since then.
@@ -45,7 +49,8 @@ class SweptSheet final : public Blade {
   /// At the front, between cuts along this.
   std::vector<Tie>& ties() { return ties_; }
 
-  /// The sheet lies in the tissue at rest: `rest` are the places there.
+  /// The sheet lies in the tissue at rest: `rest` are the places there. Known near what has been
+  /// swept since the last cut.
   std::vector<double> heights(const CellComplex& complex, const double* rest,
                               std::size_t stride) const override;
   bool is_endless() const override { return false; }
@@ -65,6 +70,7 @@ class SweptSheet final : public Blade {
   bool turns_back(const Row& row) const;
   void approach(Row row);
   void add(Row row);
+  std::vector<Box> new_boxes() const;
   const SurfacePatch& sheet() const;
 
   const CellComplex& complex_;
@@ -77,6 +83,7 @@ class SweptSheet final : public Blade {
   std::vector<Vec3> shifts_;
   std::vector<Row> approach_;                    ///< before the edge is in tissue, where it is
   std::vector<Row> rows_;                        ///< of the sheet, at rest
+  std::size_t new_rows_ = 0;                     ///< the last of them, since the last cut
   Row last_inside_;                              ///< where the edge was when it was last in tissue
   double time_ = 0;                              ///< of the last call, s
   mutable std::unique_ptr<SurfacePatch> sheet_;  ///< of the rows; null: not made yet

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t block_size = 512;
-constexpr std::uint64_t format = 5;
+constexpr std::uint64_t format = 6;
 constexpr std::string_view begins = "suture checkpoint, format ";
 using Block = std::array<char, block_size>;
 
@@ -130,6 +130,7 @@ void CheckpointHeader::state(Archive& archive) {
   archive("number", number);
   archive("step", step);
   archive("time", time);
+  archive("inputs", inputs);
 }
 
 void write_checkpoint(OutputFile& file, CheckpointHeader header, StateTree&& state) {

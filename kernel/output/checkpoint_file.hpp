@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct CheckpointHeader {
   std::uint64_t number = 0;
   std::uint64_t step = 0;
   double time = 0;  ///< s
+  /// What was done to a live run since its scene began, as lines of a recording (docs/live.md).
+  /// Other runs do not say it.
+  std::optional<std::string> inputs;
 
   void state(Archive& archive);
 };

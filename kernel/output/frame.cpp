@@ -19,6 +19,7 @@ void Frame::state(Archive& archive) {
   archive("hexahedra", hexahedra);
   archive("tetrahedra", tetrahedra);
   archive("cells", cells);
+  archive("is surface", is_surface);
   archive("point_fields", point_fields);
   archive("cell_fields", cell_fields);
   archive("provenance", field_data_provenance);

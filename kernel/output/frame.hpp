@@ -35,6 +35,7 @@ struct Frame {
   std::vector<Hexahedron> hexahedra;
   std::vector<std::array<Index, 4>> tetrahedra;  ///< after these: of partial elements; or
   std::vector<SmallCell> cells;
+  bool is_surface = false;  ///< the cells are triangles, which go into a `.vtp`
   std::vector<FrameField> point_fields;
   std::vector<FrameField> cell_fields;
   std::string field_data_provenance;  ///< scene hash, plugin versions

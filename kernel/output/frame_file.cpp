@@ -108,6 +108,7 @@ void write_frame(OutputFile& file, Frame& frame, FrameWriterOptions::Compression
       is_plain ? reinterpret_cast<const Index*>(frame.hexahedra.data()) : packed.points.data();
   image.connectivity_size = is_plain ? 8 * frame.hexahedra.size() : packed.points.size();
   image.cell_types = packed.types;
+  image.is_surface = frame.is_surface;
   image.point_arrays = arrays_of(frame.point_fields);
   image.cell_arrays = arrays_of(frame.cell_fields);
   image.time = frame.time;

@@ -9,8 +9,8 @@ namespace suture {
 /// Throws std::invalid_argument if a field does not fit the points or cells.
 void check_frame(const Frame& frame);
 
-/// Writes one `.vtu`. The nodes of the frame's cells are reordered for VTK in place, so that
-/// nothing is copied. Throws IoError.
+/// Writes one `.vtu`, or the `.vtp` of a surface. The nodes of the frame's cells are reordered for
+/// VTK in place, so that nothing is copied. Throws IoError.
 void write_frame(OutputFile& file, Frame& frame, FrameWriterOptions::Compression compression);
 
 }  // namespace suture

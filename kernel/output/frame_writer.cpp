@@ -36,9 +36,8 @@ struct FrameWriter::Impl {
 
   std::string file_name(const Frame& frame) const {
     char number[24];
-    std::snprintf(number, sizeof number, "_%04llu.vtu",
-                  static_cast<unsigned long long>(frame.number));
-    return options.prefix + number;
+    std::snprintf(number, sizeof number, "_%04llu", static_cast<unsigned long long>(frame.number));
+    return options.prefix + number + (frame.is_surface ? ".vtp" : ".vtu");
   }
 
   void write(Frame& frame) {

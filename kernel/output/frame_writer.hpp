@@ -20,10 +20,10 @@ struct FrameWriterOptions {
   std::size_t waiting = 2;  ///< frames that may wait before submit() blocks
 };
 
-/// Writes frames as `.vtu` (appended raw data) and lists them in a `.pvd`, on a
-/// separate thread while the simulation continues. A frame appears complete or not
-/// at all, and then the list is replaced: ParaView can read the files at any time,
-/// and every listed frame is complete whenever the program ends.
+/// Writes frames as `.vtu`, surfaces as `.vtp` (appended raw data), and lists them in a `.pvd`, on
+/// a separate thread while the simulation continues. A frame appears complete or not at all, and
+/// then the list is replaced: ParaView can read the files at any time, and every listed frame is
+/// complete whenever the program ends.
 ///
 /// For what happens to the results of an earlier run in the folder, see OutputFolder.
 ///

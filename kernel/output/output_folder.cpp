@@ -21,7 +21,7 @@ constexpr std::string_view run_mark = "run ";  // before the identity of a run; 
 
 // The list may come from a stranger: a name leads nowhere, and to results only.
 bool is_result(const std::filesystem::path& name) {
-  static const std::set<std::string> extensions{".vtu", ".pvd", ".csv", ".h5"};
+  static const std::set<std::string> extensions{".vtu", ".vtp", ".pvd", ".csv", ".h5"};
   return name == name.filename() && extensions.contains(name.extension().string());
 }
 

@@ -41,7 +41,7 @@ struct Fragment {
   int side;
 };
 
-/// Of face 4 f + i: face i of fragment f.
+/// Face 4 f + i is face i of fragment f.
 Triangle points_of(const std::vector<Fragment>& fragments, Index face) {
   const Tetrahedron& corners = fragments[face / 4].corners;
   const auto& [a, b, c] = tetrahedron_faces[face % 4];

@@ -10,13 +10,13 @@ namespace suture {
 namespace {
 
 // A place this far outside a tetrahedron is in it; as six times a volume in the reference cube.
-constexpr double rounding = 1e-9;
+constexpr double volume_rounding = 1e-9;
 
 bool contains(const std::array<Vec3, 4>& corners, const Vec3& at) {
   for (std::size_t i = 0; i < 4; ++i) {
     std::array<Vec3, 4> beside = corners;
     beside[i] = at;
-    if (six_volumes(beside) < -rounding) return false;
+    if (six_volumes(beside) < -volume_rounding) return false;
   }
   return true;
 }

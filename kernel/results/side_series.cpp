@@ -190,6 +190,7 @@ std::vector<SideSeries> side_series(const OutputOptions& options,
       fill_fields(fields, FieldChoice::On::points, built, gravity, time, frame.point_fields);
       fill_fields(fields, FieldChoice::On::cells, built, gravity, time, frame.cell_fields);
       show_surface(frame, built.embedding());
+      frame.is_surface = true;
     };
     series.push_back({"surface", surface, nullptr});
   }

@@ -140,10 +140,14 @@ void decide_functors(BuiltScene& built, std::vector<Decision>& list) {
 
 void decide_integrator(const Scene& scene, BuiltScene& built, std::vector<Decision>& list) {
   if (built.dynamics().is_implicit()) {
-    list.push_back({"integrator", false,
-                    built.dynamics().is_static()
-                        ? "static equilibria by Newton's method"
-                        : scene.solver.integrator + ", implicit: Newton's method in every step"});
+    list.push_back(
+        {"integrator", false,
+         built.dynamics().is_static() ? "static equilibria by Newton's method"
+         : built.dynamics().is_solved()
+             ? scene.solver.integrator + ", implicit: Newton's method in every step"
+         : built.dynamics().newton()
+             ? scene.solver.integrator + ", implicit: one linearised step within its budget"
+             : "position based, one pass over the cells in every step"});
     return;
   }
   if (scene.solver.integrator == "symplectic-euler") {

@@ -17,6 +17,7 @@
 #include "kernel/output/output_folder.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/results/frame_parts.hpp"
+#include "kernel/run/notes_on_steps.hpp"
 #include "kernel/run/steering.hpp"
 #include "kernel/run/stops.hpp"
 #include "kernel/steps/free_bodies.hpp"
@@ -66,8 +67,8 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   if (ending_.rest()) check_free_bodies(scene_, built_, diagnostics);
   if (built_.dynamics().is_static()) require_held_bodies();
   control_.start();
-  if (built_.dynamics().is_implicit())
-    decisions_.push_back({"linear solver", false, describe_solver()});
+  if (scene_.solver.budget) built_.dynamics().prepare(control_.next_dt());
+  if (built_.dynamics().newton()) decisions_.push_back({"linear solver", false, describe_solver()});
   if (check_plugins) check_bounds();
   deliver_plugin_warnings(diagnostics);
   trim_heap();  // of the search
@@ -425,17 +426,6 @@ bool RunLoop::record_end(Observer& observer) {
   }
 }
 
-/// Warns of implicit steps; "" if all reached the tolerance.
-std::string RunLoop::rounding_warning() {
-  const Newton* newton = built_.dynamics().newton();
-  if (!newton || newton->limited_steps() == 0) return "";
-  std::ostringstream text;
-  text << "rounding kept the residual of " << count_text(newton->limited_steps(), "step")
-       << " above the tolerance of " << scene_.solver.step_tolerance << " of the forces, at "
-       << newton->rounding_limit() << ": the tolerance is below rounding error";
-  return text.str();
-}
-
 void RunLoop::finish(Observer& observer) {
   // If the run was interrupted, the run that continues it reports what is gathered.
   if (summary_.outcome != RunSummary::Outcome::interrupted)
@@ -444,9 +434,10 @@ void RunLoop::finish(Observer& observer) {
   const bool rests = summary_.outcome != RunSummary::Outcome::finished &&
                      summary_.outcome != RunSummary::Outcome::interrupted;
   for (const std::string& text :
-       {hourglass_warning(scene_, built_, rests), control_.balance_warning(), rounding_warning(),
-        deep_overlaps(built_)})
+       {hourglass_warning(scene_, built_, rests), control_.balance_warning(),
+        rounding_warning(built_.dynamics(), scene_.solver.step_tolerance), deep_overlaps(built_)})
     if (!text.empty()) diagnostics_.warn(text);
+  for (const std::string& text : notes_on_steps(built_.dynamics())) observer.on_message(text);
   for (const auto& field : built_.body().fields()) observer.on_message(field.balance_text());
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())

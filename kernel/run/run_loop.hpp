@@ -60,7 +60,6 @@ class RunLoop {
   void change_parameters(const std::function<void()>& set, const std::function<void()>& undo);
   using Wall = std::chrono::steady_clock;
   void require_held_bodies();
-  std::string rounding_warning();
   void pass_details_to(Observer& observer);
   std::optional<RunSummary::Outcome> loop(const Pause& pause, Observer& observer);
   void close_failed(Observer& observer);

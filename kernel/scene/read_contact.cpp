@@ -196,6 +196,12 @@ void refuse_solvers_without_contact(ObjectReader& contact, const ContactOptions&
   if (solver.integrator == "newmark")
     refuse("the integrator 'newmark': forces of contact would feed its oscillations",
            "use \"implicit-euler\", or remove /contact");
+  if (solver.integrator == "xpbd")
+    refuse("the integrator 'xpbd', which moves nodes by the energies of models only",
+           "use \"symplectic-euler\" or \"implicit-euler\", or remove /contact");
+  if (solver.budget)
+    refuse("\"budget\" in /solver: contact is not found in one linearised step",
+           "remove one of them");
   if (is_implicit(solver.integrator) &&
       std::ranges::any_of(options.obstacles,
                           [](const Obstacle& o) { return o.coupling.has_value(); }))

@@ -18,14 +18,15 @@ double last_ramp(const Scene& scene) {
 }
 
 constexpr const char* statics = "static";
-constexpr double default_step_error = 1e-3;
+constexpr const char* xpbd = "xpbd";
+constexpr double default_step_error = 1e-3, default_softness = 0.05;
 
 /// "static": equilibria instead of motion, `frames` of them until the end.
 void read_static(ObjectReader& object, const Scene& scene, SolverOptions& solver) {
   const JsonValue* value = object.find(statics);
   if (value == nullptr) return;
   for (const char* key : {"integrator", "dt", "step_error", "safety", "until", "kick", "damping",
-                          "sleep", "tolerance"})
+                          "sleep", "tolerance", "budget", "softness"})
     if (object.find(key) != nullptr)
       object.complain(key, "cannot be combined with \"static\"; remove one of them");
   ObjectReader reader(*value, object.path_of(statics), object.mistakes());
@@ -70,11 +71,45 @@ void read_step_error(ObjectReader& object, bool automatic, SolverOptions& solver
     object.complain("step_error", "needs an estimate of the error of a step, and \"" +
                                       solver.integrator + "\" has none; choose " +
                                       names_with_estimate(implicit) + ", or remove it");
-  else if (automatic && implicit)
+  else if (automatic && implicit && solver.integrator != xpbd)
     object.complain("dt", "'dt' must be a number (s) for \"" + solver.integrator +
                               "\": any step is stable, so choose it by the accuracy that you "
                               "need, or choose " +
                               names_with_estimate(implicit) + ", which can choose it itself");
+}
+
+/// Steps of position based dynamics, which leave out a part of the stiffness.
+void read_softness(ObjectReader& object, SolverOptions& solver) {
+  const auto given = object.number("softness", {"1", 0, 1, true, true});
+  if (solver.integrator == xpbd && !solver.dt)
+    solver.softness = given.value_or(default_softness);
+  else if (given)
+    object.complain("softness",
+                    solver.integrator == xpbd
+                        ? "is only used with \"dt\": \"auto\"; remove it or the fixed dt"
+                        : "is only used by \"xpbd\"; remove it, or choose that");
+  if (solver.integrator != xpbd) return;
+  for (const char* key : {"until", "sleep"})
+    if (object.find(key) != nullptr)
+      object.complain(key,
+                      "cannot be combined with \"xpbd\", whose rest is not that of the forces; "
+                      "remove it, or choose another integrator");
+}
+
+/// "budget": a step of implicit Euler that is on time instead of solved.
+void read_budget(ObjectReader& object, SolverOptions& solver) {
+  const JsonValue* value = object.find("budget");
+  if (value == nullptr) return;
+  ObjectReader reader(*value, object.path_of("budget"), object.mistakes());
+  StepBudget budget;
+  budget.iterations = static_cast<unsigned>(reader.natural("iterations", 1, 100000).value_or(0));
+  budget.seconds = reader.number("milliseconds", Limits::positive("ms")).value_or(0) / 1000;
+  if (reader.is_object() && !reader.find("iterations") && !reader.find("milliseconds"))
+    reader.complain("is empty; give \"iterations\", \"milliseconds\" or both");
+  reader.finish();
+  if (solver.integrator != "implicit-euler")
+    object.complain("budget", "is only used by \"implicit-euler\"; remove it, or choose that");
+  solver.budget = budget;
 }
 
 void read_step(ObjectReader& object, SolverOptions& solver) {
@@ -168,6 +203,8 @@ void read_solver(const JsonValue& value, Reading& reading) {
     read_static(object, reading.scene, solver);
   } else {
     read_step(object, solver);
+    read_softness(object, solver);
+    read_budget(object, solver);
     read_end(object, solver);
     read_damping(object, solver);
     read_sleep(object, solver);

@@ -11,6 +11,7 @@
 
 #include "kernel/base/types.hpp"
 #include "kernel/dynamics/motion_path.hpp"
+#include "kernel/dynamics/step_budget.hpp"
 #include "kernel/forces/time_ramp.hpp"
 #include "kernel/geometry/obstacle.hpp"
 #include "kernel/images/label_image.hpp"
@@ -99,17 +100,19 @@ struct SolverOptions {
   std::optional<double> step_error;
   std::optional<double> end;  ///< s
   bool until_rest = false;
-  double tolerance = 1e-6;         ///< of the residual, for rest
-  double step_tolerance = 1e-8;    ///< of the equations of a step, for implicit integrators
-  bool hold_free_pieces = false;   ///< static equilibria: by inertia relief; false: refuse them
-  bool follow_path = false;        ///< static equilibria: through limit points
-  double kick = 0;                 ///< m, along an unstable mode at rest; 0: none
-  std::uint64_t max_steps = 0;     ///< 0: no limit, except for rest (10 million)
-  double damping = 0;              ///< 1/s, mass-proportional: f = -damping m v
-  bool automatic_damping = false;  ///< with until_rest
-  unsigned threads = 0;            ///< 0: as many as are useful
-  double sleep_acceleration = 0;   ///< m/s^2; 0: no island sleeps
-  double sleep_velocity = 0;       ///< m/s
+  double tolerance = 1e-6;           ///< of the residual, for rest
+  double step_tolerance = 1e-8;      ///< of the equations of a step, for implicit integrators
+  std::optional<double> softness;    ///< of "xpbd", for "auto"
+  std::optional<StepBudget> budget;  ///< of a step, for implicit Euler
+  bool hold_free_pieces = false;     ///< static equilibria: by inertia relief; false: refuse them
+  bool follow_path = false;          ///< static equilibria: through limit points
+  double kick = 0;                   ///< m, along an unstable mode at rest; 0: none
+  std::uint64_t max_steps = 0;       ///< 0: no limit, except for rest (10 million)
+  double damping = 0;                ///< 1/s, mass-proportional: f = -damping m v
+  bool automatic_damping = false;    ///< with until_rest
+  unsigned threads = 0;              ///< 0: as many as are useful
+  double sleep_acceleration = 0;     ///< m/s^2; 0: no island sleeps
+  double sleep_velocity = 0;         ///< m/s
   OnInversion on_inversion = OnInversion::by_model;
 };
 
@@ -182,6 +185,7 @@ struct Scene {
   ContactOptions contact;
   std::vector<Event> events;       ///< by time (Event::start)
   bool cuts_follow_blade = false;  ///< unless they say "along": version 2 of the format
+  bool is_divisible = false;       ///< models are prepared for cuts along blades that are added
   SolverOptions solver;
   OutputOptions output;
   CheckpointOptions checkpoint;
@@ -189,10 +193,11 @@ struct Scene {
   SceneSource source;
   ScenePlaces places;
 
-  /// Whether it has cuts along blades, which leave parts of elements.
-  bool divides_elements() const { return std::ranges::any_of(events, &Event::is_along_blade); }
-  /// Whether cuts that programs add to the run follow the blade unless they say "along": models are
-  /// prepared for that only if the scene has such cuts.
+  /// Whether it has cuts along blades, which leave parts of elements, or may get them.
+  bool divides_elements() const {
+    return is_divisible || std::ranges::any_of(events, &Event::is_along_blade);
+  }
+  /// Whether cuts that programs add to the run follow the blade unless they say "along".
   bool added_cuts_follow_blade() const { return cuts_follow_blade && divides_elements(); }
 };
 

@@ -62,6 +62,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   if (solver != nullptr) read_solver(*solver, reading);
   read_field_conditions(top, reading);
   read_contact(top, reading);
+  reading.scene.is_divisible = top.boolean("divisible").value_or(false);
   read_events(top, reading);
   read_output(top.find("output"), reading);
   read_checkpoint(top.find("checkpoint"), reading);

@@ -17,38 +17,43 @@ struct Weights {
   std::size_t count;
 };
 
+/// A number for each of 8 cells.
+typedef double Lanes __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
+
+inline const Lanes* lanes_of(const double* values) {
+  return reinterpret_cast<const Lanes*>(values);
+}
+inline Lanes* lanes_of(double* values) { return reinterpret_cast<Lanes*>(values); }
+
 /// half = K P for one coarse node: 9 numbers per node of the cells, of 8 cells at once. K is
 /// symmetric: its columns serve as its rows.
 SUTURE_CLONES
 void multiply_column(const double* matrix, const Weights& weights, std::size_t nodes,
                      double* half) {
   for (std::size_t n = 0; n < nodes; ++n) {
-    double sums[9][lanes] = {};
+    Lanes sums[9]{};
     for (std::size_t k = 0; k < weights.count; ++k) {
-      const double* weight = weights.values + weights.nodes[k] * lanes;
-      const double* values = matrix + (n * nodes * 9 + weights.nodes[k] * 3) * lanes;
-      for (std::size_t i = 0; i < 3; ++i, values += nodes * 3 * lanes)
-        for (std::size_t c = 0; c < 3; ++c)
-          for (std::size_t l = 0; l < lanes; ++l)
-            sums[i * 3 + c][l] += weight[l] * values[c * lanes + l];
+      const Lanes weight = lanes_of(weights.values)[weights.nodes[k]];
+      const Lanes* values = lanes_of(matrix) + n * nodes * 9 + weights.nodes[k] * 3;
+      for (std::size_t c = 0; c < 9; ++c) sums[c] += weight * values[c / 3 * nodes * 3 + c % 3];
     }
-    for (std::size_t c = 0; c < 9; ++c)
-      for (std::size_t l = 0; l < lanes; ++l) half[(n * 9 + c) * lanes + l] = sums[c][l];
+    for (std::size_t c = 0; c < 9; ++c) lanes_of(half)[n * 9 + c] = sums[c];
   }
 }
 
-/// block = P^T half for one coarse node, of 8 cells at once.
+/// block = P^T half for one coarse node, of 8 cells at once. Only unrolled loops keep the sums in
+/// registers.
 SUTURE_CLONES
 void multiply_row(const Weights& weights, const double* half, double* block) {
-  double sums[9][lanes] = {};
+  Lanes sums[9]{};
   for (std::size_t k = 0; k < weights.count; ++k) {
-    const double* weight = weights.values + weights.nodes[k] * lanes;
-    const double* values = half + weights.nodes[k] * 9 * lanes;
-    for (std::size_t c = 0; c < 9; ++c)
-      for (std::size_t l = 0; l < lanes; ++l) sums[c][l] += weight[l] * values[c * lanes + l];
+    const Lanes weight = lanes_of(weights.values)[weights.nodes[k]];
+    const Lanes* values = lanes_of(half) + weights.nodes[k] * 9;
+#pragma GCC unroll 9
+    for (std::size_t c = 0; c < 9; ++c) sums[c] += weight * values[c];
   }
-  for (std::size_t c = 0; c < 9; ++c)
-    for (std::size_t l = 0; l < lanes; ++l) block[c * lanes + l] = sums[c][l];
+#pragma GCC unroll 9
+  for (std::size_t c = 0; c < 9; ++c) lanes_of(block)[c] = sums[c];
 }
 
 /// The place of the block (a, b), a <= b, among those of the upper triangle, column by column.

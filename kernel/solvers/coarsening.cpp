@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 
-#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
@@ -141,14 +141,17 @@ std::vector<Index> number(const Shares& shares, DisjointSets& sets, NodeGraph& c
 /// Adds the coarse nodes of every fine cell as a cell, each list once.
 class CoarseCells {
  public:
-  explicit CoarseCells(NodeGraph& coarse) : graph_(coarse), known_(16, Hash{this}, Equal{this}) {}
+  explicit CoarseCells(NodeGraph& coarse)
+      : graph_(coarse), last_(coarse.nodes(), none), known_(16, Hash{this}, Equal{this}) {}
 
   void add(std::span<const Index> fine, const Interpolation& p) {
     std::vector<Index>& nodes = graph_.cell_nodes;
     const std::size_t start = nodes.size();
     for (const Index node : fine)
-      nodes.insert(nodes.end(), p.node.begin() + p.begin[node], p.node.begin() + p.begin[node + 1]);
-    sort_unique(nodes, start);
+      for (Index i = p.begin[node]; i < p.begin[node + 1]; ++i)
+        if (std::exchange(last_[p.node[i]], added_) != added_) nodes.push_back(p.node[i]);
+    ++added_;
+    std::sort(nodes.begin() + static_cast<std::ptrdiff_t>(start), nodes.end());
     graph_.cell_begin.push_back(static_cast<Index>(nodes.size()));
     if (known_.insert(graph_.cells() - 1).second) return;
     graph_.cell_begin.pop_back();
@@ -173,6 +176,8 @@ class CoarseCells {
   };
 
   NodeGraph& graph_;
+  std::vector<Index> last_;  ///< the last cell of each node, by the number of those added before
+  Index added_ = 0;
   std::unordered_set<std::size_t, Hash, Equal> known_;
 };
 

@@ -33,15 +33,15 @@ double dot(std::span<const double> a, std::span<const double> b) {
 
 LinearSolve ConjugateGradients::solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                                       std::span<const double> b, std::span<double> x,
-                                      double tolerance, unsigned max_iterations) {
+                                      double tolerance, const IterationLimit& limit) {
   return solve([&](const double* d, double* out) { a.apply(d, out); },
                [&](const double* r, double* z) { preconditioner.apply(r, z); }, b, x, tolerance,
-               max_iterations);
+               limit);
 }
 
 LinearSolve ConjugateGradients::solve(const Product& a, const Product& preconditioner,
                                       std::span<const double> b, std::span<double> x,
-                                      double tolerance, unsigned max_iterations) {
+                                      double tolerance, const IterationLimit& limit) {
   for (auto* vector : {&r_, &z_, &d_, &q_}) vector->resize(b.size());
   std::ranges::copy(b, r_.begin());
   std::ranges::fill(x, 0.0);
@@ -52,7 +52,7 @@ LinearSolve ConjugateGradients::solve(const Product& a, const Product& precondit
     const double residual = std::sqrt(dot(r_, r_));
     result.residual = target > 0 ? residual / target * tolerance : 0;
     if (!(residual > target)) return result;
-    if (result.iterations == max_iterations) {
+    if (limit.ends(result.iterations)) {
       result.outcome = LinearSolve::Outcome::too_many;
       return result;
     }

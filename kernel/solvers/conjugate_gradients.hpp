@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "kernel/solvers/preconditioner.hpp"
@@ -22,6 +23,15 @@ struct LinearSolve {
   double residual = 0;      ///< |b - A x| / |b|, by recurrence
 };
 
+/// How long a linear solve may take.
+struct IterationLimit {
+  IterationLimit(unsigned most, std::function<bool()> over = {})
+      : iterations(most), is_over(std::move(over)) {}
+  unsigned iterations;            ///< at most
+  std::function<bool()> is_over;  ///< asked before each iteration; none: they alone limit it
+  bool ends(unsigned made) const { return made >= iterations || (is_over && is_over()); }
+};
+
 /// Solves A x = b by preconditioned conjugate gradients, from x = 0, until |b - A x| <= tolerance
 /// |b|. Where A turns out to be indefinite, x is a descent direction nevertheless: the last iterate
 /// or, in the first iteration, B^-1 b (Nash, SIAM J. Numer. Anal. 21 (1984) 770; Dembo and
@@ -34,10 +44,10 @@ class ConjugateGradients {
   /// out = A d, or an approximation of A^-1 d; as many numbers as b has.
   using Product = std::function<void(const double* d, double* out)>;
   LinearSolve solve(const Product& a, const Product& preconditioner, std::span<const double> b,
-                    std::span<double> x, double tolerance, unsigned max_iterations);
+                    std::span<double> x, double tolerance, const IterationLimit& limit);
   LinearSolve solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                     std::span<const double> b, std::span<double> x, double tolerance,
-                    unsigned max_iterations);
+                    const IterationLimit& limit);
 
  private:
   std::vector<double> r_, z_, d_, q_;

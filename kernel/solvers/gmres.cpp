@@ -21,7 +21,7 @@ void add(double factor, std::span<const double> from, std::span<double> to) {
 
 LinearSolve Gmres::solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                          std::span<const double> b, std::span<double> x, double tolerance,
-                         unsigned max_iterations) {
+                         const IterationLimit& limit) {
   r_.assign(b.begin(), b.end());
   z_.resize(b.size());
   std::ranges::fill(x, 0.0);
@@ -32,12 +32,13 @@ LinearSolve Gmres::solve(const TangentMatrix& a, const Preconditioner& precondit
     if (!std::isfinite(residual)) throw NumericalError("the tangent is not finite");
     result.residual = scale > 0 ? residual / scale : 0;
     if (!(residual > target)) return result;
-    if (result.iterations >= max_iterations) {
+    if (limit.ends(result.iterations)) {
       result.outcome = LinearSolve::Outcome::too_many;
       return result;
     }
-    const unsigned left = max_iterations - result.iterations;
-    result.iterations += cycle(a, preconditioner, x, target, std::min(left, cycle_length));
+    const unsigned left = limit.iterations - result.iterations;
+    result.iterations +=
+        cycle(a, preconditioner, x, target, {std::min(left, cycle_length), limit.is_over});
     a.apply_whole(x.data(), r_.data());
     for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = b[i] - r_[i];
   }
@@ -46,15 +47,15 @@ LinearSolve Gmres::solve(const TangentMatrix& a, const Preconditioner& precondit
 /// Arnoldi's process on A B^-1 from the residual r, and the best correction of x in its space:
 ///   A B^-1 V = (V, v) H,   x += B^-1 V y   with   | |r| e_1 - H y | minimal
 unsigned Gmres::cycle(const TangentMatrix& a, const Preconditioner& preconditioner,
-                      std::span<double> x, double target, unsigned max_iterations) {
+                      std::span<double> x, double target, const IterationLimit& limit) {
   const double start = norm(r_);
   basis_.assign(1, r_);
   for (double& value : basis_[0]) value /= start;
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(max_iterations + 1, max_iterations);
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(limit.iterations + 1, limit.iterations);
   Eigen::VectorXd y;
   unsigned count = 0;
   double residual = start;
-  while (count < max_iterations && residual > target) {
+  while (residual > target && !limit.ends(count)) {
     std::vector<double> next(x.size());
     preconditioner.apply(basis_[count].data(), z_.data());
     a.apply_whole(z_.data(), next.data());

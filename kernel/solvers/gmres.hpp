@@ -13,15 +13,15 @@ namespace suture {
 class Gmres {
  public:
   /// Solves A x = b with the whole tangent (TangentMatrix::apply_whole) from x = 0 until |r| <=
-  /// tolerance |b|, or for at most `max_iterations`. Throws the errors of terms, and NumericalError
+  /// tolerance |b|, or as long as the limit allows. Throws the errors of terms, and NumericalError
   /// if a product is not finite.
   LinearSolve solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                     std::span<const double> b, std::span<double> x, double tolerance,
-                    unsigned max_iterations);
+                    const IterationLimit& limit);
 
  private:
   unsigned cycle(const TangentMatrix& a, const Preconditioner& preconditioner, std::span<double> x,
-                 double target, unsigned max_iterations);
+                 double target, const IterationLimit& limit);
 
   std::vector<std::vector<double>> basis_;
   std::vector<double> r_, z_;

@@ -23,7 +23,7 @@ constexpr std::uint64_t steps_per_portion = 4;
 }  // namespace
 
 void StepWatch::start() {
-  if (is_implicit_) return;
+  if (is_implicit_) return soften();
   if (!scene_.solver.dt) {
     search(0);
     if (!std::isfinite(stable_) && built_.body().has_free_vertices())
@@ -35,8 +35,13 @@ void StepWatch::start() {
   if (*scene_.solver.dt > stable_) search(0);
 }
 
+/// Steps that are as soft as the scene allows.
+void StepWatch::soften() {
+  if (scene_.solver.softness) stable_ = built_.dynamics().step_of_softness(*scene_.solver.softness);
+}
+
 void StepWatch::after_event(std::uint64_t step) {
-  if (is_implicit_) return;
+  if (is_implicit_) return soften();
   alarms_ = 0;
   interval_ = search_steps;
   if (warned_) return;  // nothing more to say
@@ -55,7 +60,7 @@ void StepWatch::after_event(std::uint64_t step) {
 }
 
 void StepWatch::after_jump(std::uint64_t step) {
-  if (is_implicit_) return;
+  if (is_implicit_) return soften();
   alarms_ = 0;
   interval_ = search_steps;
   search(step, true);

@@ -108,6 +108,7 @@ class StepWatch {
                                  implicit_steps = 4, never = ~std::uint64_t{0};
 
   std::optional<double> bound(StepBounds (StepLimits::*which)(double));
+  void soften();
   void begin(std::uint64_t step);
   void advance(std::uint64_t step);
   void take(const StepLimits::Found& found, std::uint64_t step);

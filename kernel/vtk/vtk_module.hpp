@@ -51,7 +51,8 @@ constexpr int points_of(VtuCell type) {
   return 8;
 }
 
-/// The contents of a .vtu file. Points to memory of the caller; nothing is copied.
+/// The contents of a .vtu file, or of the .vtp of a surface. Points to memory of the caller;
+/// nothing is copied.
 struct VtuImage {
   const Vec3* points = nullptr;
   std::size_t point_count = 0;
@@ -59,6 +60,7 @@ struct VtuImage {
   std::size_t connectivity_size = 0;
   std::size_t cell_count = 0;
   std::span<const VtuCell> cell_types;  ///< of each cell; empty: all cells are hexahedra
+  bool is_surface = false;              ///< its cells are polygons
   std::vector<VtuArray> point_arrays, cell_arrays;
   std::optional<double> time;  ///< s, as "TimeValue"
   std::string provenance;      ///< as the text "provenance"; empty: none

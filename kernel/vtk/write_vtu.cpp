@@ -6,16 +6,19 @@
 #include <vtkObjectFactory.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
+#include <vtkPolyData.h>
 #include <vtkStringArray.h>
 #include <vtkTypeInt32Array.h>
 #include <vtkTypeInt64Array.h>
 #include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataWriter.h>
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <cerrno>
 #include <ext/stdio_filebuf.h>
 #include <ostream>
+#include <type_traits>
 
 #include "kernel/vtk/vtk_library.hpp"
 
@@ -73,23 +76,23 @@ class RecordingBuffer : public __gnu_cxx::stdio_filebuf<char> {
 
 // VTK's writer offers no way to give it a stream, but keeps the one that it opens, here of
 // a text, in a member: it is exchanged before the first byte is written.
-class StreamWriter : public vtkXMLUnstructuredGridWriter {
+template <class Base>
+class StreamWriter : public Base {
  public:
-  static StreamWriter* New();
-  vtkTypeMacro(StreamWriter, vtkXMLUnstructuredGridWriter)
+  static StreamWriter* New() { return new StreamWriter; }
   void write_to(std::ostream* stream) { stream_ = stream; }
 
  protected:
+  StreamWriter() { this->InitializeObjectBase(); }
   int StartFile() override {
-    Stream = stream_;
-    Stream->imbue(std::locale::classic());
-    return Superclass::StartFile();
+    this->Stream = stream_;
+    this->Stream->imbue(std::locale::classic());
+    return Base::StartFile();
   }
 
  private:
   std::ostream* stream_ = nullptr;
 };
-vtkStandardNewMacro(StreamWriter)
 
 // `data` still belongs to the caller: VTK must not free it.
 template <class Array, class T>
@@ -152,8 +155,17 @@ void add_arrays(vtkDataSetAttributes* data, const std::vector<VtuArray>& sources
   }
 }
 
-vtkSmartPointer<vtkUnstructuredGrid> grid_of(const VtuImage& image) {
-  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+template <class Grid>
+void set_cells(Grid* grid, vtkCellArray* cells, vtkUnsignedCharArray* types) {
+  if constexpr (std::is_same_v<Grid, vtkPolyData>)
+    grid->SetPolys(cells);
+  else
+    grid->SetCells(types, cells);
+}
+
+template <class Grid>
+vtkSmartPointer<Grid> grid_of(const VtuImage& image) {
+  auto grid = vtkSmartPointer<Grid>::New();
   const vtkNew<vtkPoints> points;
   points->SetData(borrowed<vtkDoubleArray>(image.points->data(), image.point_count, 3));
   grid->SetPoints(points);
@@ -173,14 +185,14 @@ vtkSmartPointer<vtkUnstructuredGrid> grid_of(const VtuImage& image) {
   const vtkNew<vtkCellArray> cells;
   cells->SetData(offsets,
                  borrowed<vtkTypeInt32Array>(image.connectivity, image.connectivity_size, 1));
-  grid->SetCells(types, cells);
+  set_cells<Grid>(grid, cells, types);
 
   add_arrays(grid->GetPointData(), image.point_arrays, image.point_count);
   add_arrays(grid->GetCellData(), image.cell_arrays, image.cell_count);
   return grid;
 }
 
-void add_field_data(vtkUnstructuredGrid* grid, const VtuImage& image) {
+void add_field_data(vtkDataObject* grid, const VtuImage& image) {
   if (image.time) {
     const vtkNew<vtkDoubleArray> time;
     time->SetName("TimeValue");
@@ -212,17 +224,16 @@ void set_compression(vtkXMLWriter* writer, VtuCompression compression) {
   }
 }
 
-}  // namespace
-
-VtuOutcome write_vtu_file(int descriptor, const VtuImage& image) {
+template <class Grid, class Writer>
+VtuOutcome write_grid(int descriptor, const VtuImage& image) {
   const VtkMessages messages;
   RecordingBuffer file(::dup(descriptor));
   if (!file.is_open()) return {errno, {}};
   std::ostream stream(&file);
 
-  const auto grid = grid_of(image);
+  const auto grid = grid_of<Grid>(image);
   add_field_data(grid, image);
-  const vtkNew<StreamWriter> writer;
+  const vtkNew<StreamWriter<Writer>> writer;
   writer->write_to(&stream);
   writer->WriteToOutputStringOn();
   writer->SetInputData(grid);
@@ -238,6 +249,14 @@ VtuOutcome write_vtu_file(int descriptor, const VtuImage& image) {
     return {0, messages.first().empty() ? "VTK reported no reason" : messages.first()};
   }
   return {};
+}
+
+}  // namespace
+
+VtuOutcome write_vtu_file(int descriptor, const VtuImage& image) {
+  return image.is_surface
+             ? write_grid<vtkPolyData, vtkXMLPolyDataWriter>(descriptor, image)
+             : write_grid<vtkUnstructuredGrid, vtkXMLUnstructuredGridWriter>(descriptor, image);
 }
 
 }  // namespace suture

@@ -1,30 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "suture/continuum.hpp"
+#include "suture/isotropic_law.hpp"
 
 /// Linear elasticity in the rotated frame of the element; equations in README.md.
-struct Corotational : suture::continuum<Corotational> {
+struct Corotational : suture::isotropic_law<Corotational> {
   static constexpr const char* id = "corotational";
   static constexpr const char* doc = "Linear elastic solid for large rotations and small strains";
   static constexpr const char* formula =
       "W = mu |F - R|^2 + lambda/2 (R:F - 3)^2, F = R U; P = 2 mu (F - R) + lambda (R:F - 3) R";
   static constexpr const char* citation =
       "M. Mueller, M. Gross: Interactive Virtual Materials, Graphics Interface 2004";
-
-  enum { young, poisson, rho };
-  static constexpr suture::parameter parameters[] = {
-      suture::number("E", "Pa", "Young's modulus").above(0).per_element(),
-      suture::number("nu", "1", "Poisson's ratio").above(-1).below(0.5).per_element(),
-      suture::number("rho", "kg/m^3", "Density of the rest shape").above(0).per_element()};
-
-  template <class R>
-  using Constants = suture::lame_of<R>;
-  static void prepare(const suture::setup& p, suture::lame& c) {
-    c = suture::lame_constants(p[young], p[poisson]);
-  }
-  template <class P>
-  static auto density(const P& p) {
-    return p[rho];
-  }
 
   template <class T, class C>
   static T energy(const suture::mat3<T>& F, const C& c) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "suture/continuum.hpp"
+#include "suture/isotropic_law.hpp"
 
 /// Linear elasticity from its energy; equations in README.md.
-struct Hooke : suture::continuum<Hooke> {
+struct Hooke : suture::isotropic_law<Hooke> {
   static constexpr const char* id = "hooke";
   static constexpr const char* doc = "Linear elastic solid, for small rotations and strains";
   static constexpr const char* formula =
@@ -11,22 +11,6 @@ struct Hooke : suture::continuum<Hooke> {
       "S. P. Timoshenko, J. N. Goodier: Theory of Elasticity, 3rd edition, 1970, section 6";
   static constexpr bool survives_inversion = true;
   static constexpr std::uint32_t flags = SUTURE_CONTINUUM | SUTURE_LINEAR;
-
-  enum { young, poisson, rho };
-  static constexpr suture::parameter parameters[] = {
-      suture::number("E", "Pa", "Young's modulus").above(0).per_element(),
-      suture::number("nu", "1", "Poisson's ratio").above(-1).below(0.5).per_element(),
-      suture::number("rho", "kg/m^3", "Density of the rest shape").above(0).per_element()};
-
-  template <class R>
-  using Constants = suture::lame_of<R>;
-  static void prepare(const suture::setup& p, suture::lame& c) {
-    c = suture::lame_constants(p[young], p[poisson]);
-  }
-  template <class P>
-  static auto density(const P& p) {
-    return p[rho];
-  }
 
   template <class T, class C>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const C& c) {

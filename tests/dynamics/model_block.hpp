@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kernel/mesh/box.hpp"
@@ -46,6 +47,28 @@ struct Block : Model, Rig {
     for (suture::Index v = 0; v < attributes().vertex_count(); ++v)
       if (chosen(rest(v))) found.push_back(v);
     return found;
+  }
+};
+
+/// A cantilever along z, 2x2x8 cells of an eighth of a metre, under a quarter of its weight; the
+/// ledger has begun. Its held end may move.
+struct Cantilever : Block {
+  Cantilever(const std::string& id, const std::map<std::string, double>& wanted, Options options,
+             const suture::PrescribedMotion& motion = {})
+      : Block(id, wanted, {2, 2, 8}, 0.125, heavy(std::move(options))) {
+    hold(vertices([](const suture::Vec3& x) { return x[2] < 1e-9; }), 7, motion);
+    start();
+  }
+  static Options heavy(Options options) {
+    options.gravity = {0, -2.45, 0};
+    return options;
+  }
+  /// Mean displacement of the free end, m.
+  double tip() {
+    double sum = 0;
+    const auto end = vertices([](const suture::Vec3& x) { return x[2] > 1 - 1e-9; });
+    for (const suture::Index v : end) sum += shift(v, 1) / static_cast<double>(end.size());
+    return sum;
   }
 };
 

@@ -18,6 +18,7 @@ try:
     from selenium import webdriver
     from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.by import By
+    from selenium.webdriver.common.keys import Keys
 except ImportError:
     webdriver = None
 
@@ -156,6 +157,29 @@ class Live(unittest.TestCase):
     def picture(self, name):
         self.page.save_screenshot(os.path.join(FOLDER, name))
 
+    def press(self, *keys):
+        ActionChains(self.page).send_keys(*keys).perform()
+
+    def use_keys(self):
+        self.press("k", "?")
+        self.assertEqual(self.js("return document.querySelector('.tools input:checked').value"), "knife")
+        self.assertGreater(len(self.js("return document.querySelector('#help[open] table')?.innerText ?? ''")), 200)
+        self.press(Keys.ESCAPE)
+        self.drag("knife", (-250, 60), (250, 0), holds=True)
+        self.press(Keys.ESCAPE)  # which ends the drag
+        ActionChains(self.page).release().perform()
+        self.press(".", ".")
+        self.wait("live.state.step == 2 && !live.surface.laid_open && !document.querySelector('#help').open")
+        before = self.js("return live.picture.camera.position.x")
+        self.drag("look", (0, 0), (30, 10))
+        self.assertNotEqual(self.js("return live.picture.camera.position.x"), before)
+        self.press("f")
+        self.assertAlmostEqual(self.js("return live.picture.camera.position.x"), before, delta=0.02)
+        self.press("z")
+        self.wait_for_message("no action to take back")
+        self.click("#reset")
+        self.wait("live.state.step == 0")
+
     def make(self, steps):
         """Steps of a run that is paused."""
         until = self.js("return live.state.step") + steps
@@ -192,6 +216,7 @@ class Live(unittest.TestCase):
     def test_a_hand_cuts_a_bar(self):
         self.open("bar", BAR)
         self.assertEqual(len(self.js(BLOBS)), 1)
+        self.use_keys()
         self.click("#save-video")
         self.click("#speed option[value='0.25']")
         self.click("#play")

@@ -6,6 +6,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/live/hand.hpp"
+#include "kernel/run/checkpoints.hpp"
 #include "tests/live/watched.hpp"
 
 namespace suture::test {
@@ -86,6 +87,68 @@ TEST_F(SavesACheckpoint, FromWhichALiveRunGoesOn) {
   EXPECT_EQ(second.inputs[0].value, release_input(hand_name));
   EXPECT_EQ(second.last_step, 92U);
   expect_same_bits(file);
+}
+
+/// A live run that goes on from a checkpoint, on a thread of its own, and a page.
+class GoesOn {
+ public:
+  GoesOn(const Scene& scene, const std::filesystem::path& file, Diagnostics& diagnostics)
+      : run(scene, host(), diagnostics, *server_, file.parent_path() / "second.jsonl") {
+    Observer nobody;
+    run.resume(read_checkpoint(file), file, nobody);
+    thread_ = std::thread([&] { run.run(stop_); });
+    EXPECT_TRUE(page.open());
+  }
+  ~GoesOn() { stop(); }
+  void stop() {
+    stop_.is_set = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  std::unique_ptr<LiveServer> server_ = open_live_server(0);
+  Stop stop_;
+  std::thread thread_;
+
+ public:
+  Client page{Address(server_->address())};
+  LiveRun run;
+};
+
+// The scene begins at rest, and does what was done before and after the checkpoint.
+TEST_F(SavesACheckpoint, AfterWhichASceneCanBeWritten) {
+  make(20);
+  page.send(cut);
+  grab_and_pull();
+  make(30);
+  page.send(R"({"do":"checkpoint"})");
+  message_with("saved ");
+  stop();
+  GoesOn second(scene_, file_, diagnostics_);
+  second.page.send(R"({"do":"apply","event":{"pierce":{"where":{"nearest":[0.2,0.1,0.1]}}}})");
+  for (int i = 0; i < 40; ++i) second.page.send(R"({"do":"step"})");
+  second.page.send(R"({"do":"scene"})");
+  const std::string text = second.page.until("scene")["scene"];
+  second.stop();
+
+  Scene written = read_scene(folder_.write("done.json", text), {}, host(), diagnostics_);
+  EXPECT_EQ(written.events.size(), 4U);  // cut, grasp, release, pierce
+  leave_out_results(written);
+  Simulation same(written, host(), diagnostics_);
+  Observer nobody;
+  same.run(nobody);
+  EXPECT_NEAR(same.time(), second.run.simulation().time(), 1e-12);
+  EXPECT_LT(largest_difference(same, second.run.simulation()), 2e-3);  // m
+}
+
+TEST_F(SavesACheckpoint, WhichAloneSaysWhatWasDoneBefore) {
+  stop();
+  Simulation other(scene_, host(), diagnostics_);
+  save_checkpoint(other, checkpoint_header(other.built(), host()), file_);
+  GoesOn second(scene_, file_, diagnostics_);
+  second.page.send(cut);
+  second.page.send(R"({"do":"scene"})");
+  EXPECT_THAT(second.page.until("error")["error"], HasSubstr("only those of suture live do"));
 }
 
 // As a scene that writes results has them: the frame of 0.7 s is before the checkpoint.

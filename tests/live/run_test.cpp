@@ -18,10 +18,10 @@ TEST_F(Watched, ShowsTheBodyAndItsObstacles) {
   EXPECT_EQ(greeting["elements"], 128);
   EXPECT_EQ(greeting["gravity"], Json({0, -9.8, 0}));
   EXPECT_EQ(greeting["obstacles"][0]["name"], "ball");
-  const Json surface = page.until("triangles");
-  EXPECT_EQ(surface["triangles"], 2 * (2 * 16 + 4 * 32));
-  EXPECT_EQ(surface["edges"], 2 * (2 * 16 + 4 * 32));  // of a closed surface of quadrilaterals
-  EXPECT_EQ(surface["points"], 2 * (2 * 16 + 4 * 32) / 2 + 2);  // Euler
+  const Json surface = page.until("corners");
+  EXPECT_EQ(surface["corners"], 4);
+  EXPECT_EQ(surface["faces"], 2 * 16 + 4 * 32);
+  EXPECT_EQ(surface["points"], 2 * 16 + 4 * 32 + 2);  // Euler: each edge belongs to two faces
   EXPECT_EQ(surface["laid_open"], 0);
   const Json state = page.until("step");
   EXPECT_EQ(state["step"], 0);
@@ -196,7 +196,7 @@ TEST_F(Watched, RecordsWhatRepeatsBitForBit) {
   state_after(100);
   page.send(cut);
   EXPECT_THAT(page.until("message")["message"], HasSubstr("2 islands"));
-  const Json surface = page.until("triangles");
+  const Json surface = page.until("corners");
   EXPECT_GT(surface["laid_open"], 0);
   state_after(300);
   page.send(R"({"do":"grab","at":[0.4,0.25,0.1]})");

@@ -72,11 +72,10 @@ TEST_F(Curves, AreThoseOfTheRun) {
 
 TEST_F(View, SendsTheRestShapeWithTheTriangles) {
   const auto rest_of = [&](const Json& surface) {
-    const std::size_t before =
-        12 * surface["triangles"].get<std::size_t>() + 8 * surface["edges"].get<std::size_t>();
+    const std::size_t before = 4 * surface["faces"].get<std::size_t>() * 4;
     return numbers(before, 3 * surface["points"].get<std::size_t>());
   };
-  const Json surface = page.until("triangles");
+  const Json surface = page.until("corners");
   const std::vector<float> rest = rest_of(surface);
   state_at(0);
   EXPECT_EQ(numbers(0, rest.size()), rest);
@@ -84,7 +83,7 @@ TEST_F(View, SendsTheRestShapeWithTheTriangles) {
   state_at(50);
   EXPECT_NE(numbers(0, rest.size()), rest);
   page.send(cut);
-  const Json opened = page.until("triangles");
+  const Json opened = page.until("corners");
   const std::vector<float> rest_of_lips = rest_of(opened);
   EXPECT_GT(rest_of_lips.size(), rest.size());
   EXPECT_EQ(*std::ranges::max_element(rest_of_lips), 1);  // that of a box of 1 x 0.25 x 0.25 m
@@ -148,17 +147,23 @@ TEST_F(View, CutsAlongBladesWithoutAnEventThatDoes) {
   EXPECT_THAT(page.until("message")["message"], HasSubstr("gravity"));
   while (page.until("message")["message"].get<std::string>().find("2 islands") == std::string::npos)
     continue;
-  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  EXPECT_GT(page.until("corners")["laid_open"], 0);
   EXPECT_EQ(page.until("step")["step"], 50);
   page.send(R"({"do":"back"})");
-  EXPECT_EQ(page.until("triangles")["laid_open"], 0);
+  EXPECT_EQ(page.until("corners")["laid_open"], 0);
   page.send(bent_cut_along_blade);
-  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  EXPECT_GT(page.until("corners")["laid_open"], 0);
   step(30);
   state_at(80);
+  page.send(R"({"do":"checkpoint"})");
+  while (page.until("message")["message"].get<std::string>().find("saved") == std::string::npos)
+    continue;
+  const Checkpoint saved = read_checkpoint(folder_ / "beam-checkpoint.h5");
+  EXPECT_THAT(saved.header.scene_text, HasSubstr(R"("divisible":true)"));
   stop();
   expect_same_bits(recording());  // up to then
   const std::filesystem::path second = folder_ / "beam-recording.jsonl";
+  EXPECT_THAT(read_recording(second).source.text, HasSubstr(R"("divisible":true)"));
   EXPECT_EQ(read_recording(second).inputs.size(), 2U);
   EXPECT_EQ(read_recording(second).last_step, 80U);
   expect_same_bits(second);
@@ -214,9 +219,9 @@ TEST_F(Sliced, ShowsItsBladeAndIsCutAlongAnother) {
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.33,0,0],"normal":[1,0,0.3]}}}})");
   EXPECT_THAT(page.until("message")["message"], HasSubstr("2 islands"));
-  EXPECT_GT(page.until("triangles")["laid_open"], 0);
+  EXPECT_GT(page.until("corners")["laid_open"], 0);
   page.send(R"({"do":"back"})");
-  EXPECT_EQ(page.until("triangles")["laid_open"], 0);
+  EXPECT_EQ(page.until("corners")["laid_open"], 0);
   step(1);
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.37,0,0],"normal":[1,0,0.3]}}}})");

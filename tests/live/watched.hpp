@@ -118,6 +118,24 @@ class Watched : public testing::Test {
   std::thread thread_;
 };
 
+/// The largest difference of coordinates between the same corners of elements, m. Copies of nodes
+/// at a cut may have other numbers.
+inline double largest_difference(Simulation& a, Simulation& b) {
+  double largest = 0;
+  for (Index e = 0; e < a.complex().element_count(); ++e) {
+    EXPECT_EQ(a.complex().exists(3, e), b.complex().exists(3, e));
+    if (!a.complex().exists(3, e)) continue;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int c = 0; c < 3; ++c) {
+        const auto place = [&](Simulation& run) {
+          return run.attributes().position().get(run.complex().vertices_of(e)[k], c);
+        };
+        largest = std::max(largest, std::abs(place(a) - place(b)));
+      }
+  }
+  return largest;
+}
+
 /// Repeats a recording on some threads, with results or without; the hash of its end.
 inline std::string repeated_end(const std::filesystem::path& file, const std::string& threads,
                                 bool has_output, std::vector<std::string>& warnings) {

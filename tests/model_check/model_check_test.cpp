@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(ModelCheck, GoodModels,
                                          "corotational", "damage", "damage-springs", "fibres",
                                          "heat", "hooke", "mooney-rivlin", "mss-baudet",
                                          "mss-golec", "neo-hookean", "thermoelastic", "tm-faure",
-                                         "visco"),
+                                         "visco", "volume"),
                          [](const auto& test) {
                            std::string name = test.param;
                            std::erase(name, '-');

@@ -111,6 +111,26 @@ INSTANTIATE_TEST_SUITE_P(FrameWriter, EveryCompression,
                          testing::Values(Compression::raw, Compression::lz4, Compression::zlib),
                          name_of);
 
+TEST(FrameWriter, WritesSurfacesAsPolygons) {
+  const TemporaryFolder folder;
+  Frame frame;
+  frame.points = {{0, 0, 0}, {1, 0, 0}, {0, 2, 0}, {1, 2, 0}};
+  frame.cells = {{0, 1, 2, none}, {2, 1, 3, none}};
+  frame.is_surface = true;
+  frame.cell_fields.push_back({.name = "cut", .ids = {0, 1}});
+  frame.point_fields.push_back({"height", 1, {0.5, 1, 2, 3}});
+  FrameWriter writer(
+      {.folder = output(folder.path()), .prefix = "surface", .collection = "surface"});
+  writer.submit(std::move(frame));
+  writer.finish();
+  EXPECT_EQ(frames_in(folder / "surface.pvd"), (std::vector<std::string>{"surface_0000.vtp"}));
+  EXPECT_NE(read_text(folder / "surface_0000.vtp").find("type=\"PolyData\""), std::string::npos);
+  const VtuContents contents = read_with_vtk(folder / "surface_0000.vtp");
+  EXPECT_EQ(contents.cells, (std::vector<std::vector<long>>{{0, 1, 2}, {2, 1, 3}}));
+  EXPECT_EQ(contents.cell_arrays.at("cut").values, (std::vector<double>{0, 1}));
+  EXPECT_EQ(contents.point_arrays.at("height").values, (std::vector<double>{0.5, 1, 2, 3}));
+}
+
 TEST(FrameWriter, WritesLinesTrianglesAndQuadrilaterals) {
   const TemporaryFolder folder;
   Frame frame;

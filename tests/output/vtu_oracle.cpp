@@ -5,11 +5,11 @@
 #include <vtkCell.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
+#include <vtkDataSet.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkStringArray.h>
-#include <vtkUnstructuredGrid.h>
-#include <vtkXMLUnstructuredGridReader.h>
+#include <vtkXMLGenericDataObjectReader.h>
 
 namespace suture {
 namespace {
@@ -34,11 +34,12 @@ std::map<std::string, VtuContents::Array> arrays_of(vtkFieldData* data) {
 }  // namespace
 
 VtuContents read_with_vtk(const std::filesystem::path& path) {
-  const vtkNew<vtkXMLUnstructuredGridReader> reader;
+  const vtkNew<vtkXMLGenericDataObjectReader> reader;
   reader->SetFileName(path.c_str());
   reader->Update();
   EXPECT_EQ(reader->GetErrorCode(), 0u) << path;
-  vtkUnstructuredGrid* grid = reader->GetOutput();
+  auto* grid = vtkDataSet::SafeDownCast(reader->GetOutput());
+  if (grid == nullptr) return {};
   VtuContents contents;
   contents.points.resize(static_cast<std::size_t>(grid->GetNumberOfPoints()));
   for (std::size_t i = 0; i < contents.points.size(); ++i) {

@@ -9,8 +9,8 @@
 
 namespace suture {
 
-/// The contents of a .vtu file according to VTK's own reader; behind a plain struct so that only
-/// one translation unit includes VTK.
+/// The contents of a .vtu or .vtp file according to VTK's own reader; behind a plain struct so that
+/// only one translation unit includes VTK.
 struct VtuContents {
   struct Array {
     int components = 0;

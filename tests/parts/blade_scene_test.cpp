@@ -222,6 +222,21 @@ TEST(BladeScene, RefusesMeshesThatAreNoGrid) {
                                    HasSubstr("not numbered along the same axes")));
 }
 
+TEST(BladeScene, MayBeDivisibleWithoutACut) {
+  Scene scene = bar();
+  scene.events.clear();
+  EXPECT_THAT(error_of<InputError>([&] { const Built built(scene); }),
+              StartsWith("/output/surface: is for bodies with"));
+  scene.is_divisible = true;
+  EXPECT_NO_THROW(Built built(scene));
+  scene.mesh.box.reset();
+  auto bent = mesh_of_bar();
+  bent->points[13][0] += 0.1;
+  scene.mesh.given = std::move(bent);
+  EXPECT_THAT(error_of<InputError>([&] { const Built built(scene); }),
+              AllOf(StartsWith("/divisible: element "), HasSubstr("is not a parallelepiped")));
+}
+
 TEST(BladeScene, RefusesCutsForWhichItIsNotPrepared) {
   const Event event = test::divide({0, 0, 0}, {1, 0, 0});
   EXPECT_THAT(error_of<InputError>([&] { check_parts(event, false); }),

@@ -89,6 +89,17 @@ TEST_F(MovingAlong, CutsAPlaneAsThePlaneDoes) {
 }
 
 // Elements see the arc through the heights of their nodes, fixed when they are first divided.
+TEST_F(MovingAlong, CutsWhatItPassesWithinAStep) {
+  build({at(0, -1, 1.3), at(0.004, 13.5, 2.7)});
+  move(0, 0.02);
+  EXPECT_EQ(islands(), 2u);
+  const Index in_a_step = divided;
+  divided = 0;
+  build({at(0, -1, 1.3), at(1, 13.5, 2.7)});
+  move(0, 1);
+  EXPECT_EQ(in_a_step, divided);
+}
+
 TEST_F(MovingAlong, CutsAnArc) {
   std::vector<CutBlade::Station> stations;
   double length = 0;

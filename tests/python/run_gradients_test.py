@@ -233,6 +233,8 @@ class RunGradients(unittest.TestCase):
                 f[30, 1] += 1
 
         assert_refused("not symmetric", prepare=push)
+        assert_refused("do not solve the equations", solver={"integrator": "xpbd"})
+        assert_refused("do not solve the equations", solver={"budget": {"iterations": 5}})
         assert_refused("a cut has changed", prepare=between(cut))
         assert_refused("differ in length", model="mss-golec", gravity=[0, -1000, 0],
                        solver={"dt": 0.1, "end": 0.6, "damping": 0})  # a step is rejected

@@ -70,7 +70,14 @@ Case phases(Random& random, unsigned, std::uint64_t) {
                                {"rotation", {{"axis", {1, 0, 0}}, {"centre", {1, 0.1, 0.1}}}},
                                {"shape", shapes[static_cast<int>(random.between(0, 2.999))]}}}};
   scene["events"] = {{{"at", random.between(0.2, 1.5)}, {"cut", across(0.5, random)}}};
-  if (random.chance(0.3)) scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
+  const double scheme = random.between(0, 1);
+  if (scheme < 0.3)
+    scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
+  else if (scheme < 0.5)
+    scene["solver"].update(
+        {{"integrator", "implicit-euler"}, {"dt", 0.02}, {"budget", {{"iterations", 3}}}});
+  else if (scheme < 0.7)
+    scene["solver"].update({{"integrator", "xpbd"}, {"dt", 1e-3}});
   add_output(scene, random);
   return result;
 }

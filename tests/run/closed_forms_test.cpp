@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "kernel/dynamics/hourglass.hpp"
 #include "tests/run/equilibrium.hpp"
 #include "tests/run/host.hpp"
 
@@ -72,11 +73,19 @@ Matrix3d golec(const Matrix3d& F) {
   return P;
 }
 
+/// Baudet's cube with the model `volume` beside it.
+constexpr double kappa = 10 * young;
+Matrix3d baudet_and_volume(const Matrix3d& F) {
+  const double J = F.determinant();
+  return baudet(F) + kappa * (J - 1) * J * F.inverse().transpose();
+}
+
 struct Law {
   const char *name, *model;
   std::map<std::string, double> values;
   Matrix3d (*stress)(const Matrix3d& F);
   bool is_solid = true;
+  std::map<std::string, double> of_volume{};  ///< parameters of `volume`; empty: without it
 };
 
 void PrintTo(const Law& law, std::ostream* out) { *out << law.name; }
@@ -101,12 +110,22 @@ const Law laws[] = {
     {"SpringsAndVolume", "mss-golec", engineering, golec, false},
 };
 
+void add_volume(Scene& scene, const std::map<std::string, double>& values) {
+  ModelUse volume = scene.models.front();
+  volume.name = "volume";
+  volume.model = &host().model("volume");
+  volume.parameters = parameters(*volume.model, values);
+  scene.models.push_back(volume);
+}
+
 class ClosedForm : public testing::TestWithParam<Law> {
  protected:
   /// A unit cube of 2 x 2 x 2 elements.
   Scene cube() const {
     const Law& law = GetParam();
-    return precise(block(host(), law.model, {1, 1, 1}, {2, 2, 2}, law.values));
+    Scene scene = precise(block(host(), law.model, {1, 1, 1}, {2, 2, 2}, law.values));
+    if (!law.of_volume.empty()) add_volume(scene, law.of_volume);
+    return scene;
   }
   Matrix3d stress(const Matrix3d& F) const { return GetParam().stress(F); }
 
@@ -124,6 +143,15 @@ class ClosedForm : public testing::TestWithParam<Law> {
 
 INSTANTIATE_TEST_SUITE_P(Every, ClosedForm, testing::ValuesIn(laws),
                          [](const auto& test) { return test.param.name; });
+// What resists hourglasses does not act on uniform deformations of boxes that stay boxes.
+INSTANTIATE_TEST_SUITE_P(ClosedFormsOfTwoModels, ClosedForm,
+                         testing::Values(Law{"BaudetAndVolume",
+                                             "mss-baudet",
+                                             engineering,
+                                             baudet_and_volume,
+                                             false,
+                                             {{"kappa", kappa}, {"hourglass", mu}}}),
+                         [](const auto& test) { return test.param.name; });
 
 TEST_P(ClosedForm, UniaxialTensionAndCompression) {
   for (const double stretch : {0.85, 1.01, 1.1, 1.3}) {
@@ -140,6 +168,50 @@ TEST_P(ClosedForm, UniaxialTensionAndCompression) {
     EXPECT_LT(found.distance([&](const Vector3d& x) -> Vector3d { return F * x; }), 1e-8);
     EXPECT_NEAR(found.reaction(at({1, any, any}))[0], stress(F)(0, 0), 1e-8 * young) << stretch;
   }
+}
+
+// u_x = h (-1)^(j + k), which springs of Baudet do not resist: shears of +-2 h / l on two planes,
+// whose squares have the mean 4 h^2 / 3 l^2 each.
+TEST(ClosedForms, CheckerboardsHaveTheEnergyOfTheirShear) {
+  constexpr double h = 1e-5, edge = 0.5;
+  const auto energy = [](double hourglass) {
+    Scene scene = block(host(), "mss-baudet", {1, 1, 1}, {2, 2, 2}, engineering);
+    add_volume(scene, {{"kappa", kappa}, {"hourglass", hourglass}});
+    Diagnostics diagnostics;
+    BuiltScene built(scene, diagnostics);
+    Column& x = built.body().attributes().position();
+    for (Index v = 0; v < x.size(); ++v) {
+      const auto number = [&](int c) { return std::lround((x.get(v, c) - x.get(0, c)) / edge); };
+      x.set(v, 0, x.get(v, 0) + ((number(1) + number(2)) % 2 == 0 ? h : -h));
+    }
+    return built.body().energy(0);
+  };
+  const double expected = mu / 2 * 2 * (4 * h * h / (3 * edge * edge));  // of 1 m^3
+  EXPECT_LT(energy(0), 1e-3 * expected);
+  EXPECT_NEAR(energy(mu) - energy(0), expected, 1e-3 * expected);
+}
+
+// The paper's cantilever under its whole weight. Alone, the springs hourglass.
+TEST(ClosedForms, SpringsBesideVolumesKeepThemAndStaySmooth) {
+  const auto content = [](bool with_volume) {
+    Scene scene = beam(host(), "mss-baudet", 12, 3, 9.8, {{"nu", 0.25}});
+    if (with_volume) add_volume(scene, {{"kappa", 300 * young}, {"hourglass", 0.4 * young}});
+    Equilibrium found(scene);
+    Attributes& attributes = found.body().attributes();
+    if (with_volume) {
+      const Instance& volume = *attributes.instances().back();
+      std::vector<double> change(volume.table(3).cells.size());
+      EXPECT_TRUE(found.body().models().compute_field(volume, 3, "volume_change", 1, change));
+      for (const double c : change) EXPECT_LT(std::abs(c), 1e-3);
+    }
+    double largest = 0;
+    const Hourglass hourglass = measure_hourglass(found.body().complex(), attributes);
+    for (Index e = 0; e < hourglass.strain.size(); ++e)
+      largest = std::max(largest, hourglass.content(e));
+    return largest;
+  };
+  EXPECT_GT(content(false), 0.5);
+  EXPECT_LT(content(true), 0.35);
 }
 
 // P = E s (s^2 - 1) / 2 and t^2 = 1 - nu (s^2 - 1); values of an independent program (DOLFINx).

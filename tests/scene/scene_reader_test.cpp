@@ -34,6 +34,7 @@ TEST(SceneReader, ReadsEveryKey) {
               {"pressure": 3, "ramp": 0.25, "where": {"ids": [4, 5]}}],
     "solver": {"integrator": "velocity-verlet", "dt": 1e-3, "end": 2, "damping": 0.5, "threads": 2,
                "on_inversion": "warn", "max_steps": 1000},
+    "divisible": true,
     "events": [{"at": 1.5, "cut": {"faces": [[0, 1], [2, 3]]}},
                {"at": 0.5, "cut": {"plane": {"point": [1.5, 0, 0], "normal": [1, 0, 0]}},
                 "shape": "rest"}],
@@ -44,6 +45,7 @@ TEST(SceneReader, ReadsEveryKey) {
                                                     "fields": ["position", "wobble"],
                                                     "of": "max"}]}}})");
   EXPECT_EQ(scene.title, "all of it");
+  EXPECT_TRUE(scene.divides_elements());
   EXPECT_EQ(scene.mesh.box->origin, (Vec3{1, 2, 3}));
   EXPECT_EQ(scene.mesh.box->cells, (std::array<Index, 3>{4, 2, 1}));
   EXPECT_EQ(scene.mesh.box->grading[0], 2);

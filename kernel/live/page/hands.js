@@ -10,7 +10,7 @@ const spacing = 8;  // of the places of a way, pixels
 
 // `tool()`: the chosen one. `hands`: cut(way) with the places of a drag of the knife on the canvas; grab(point),
 // take(tool, point), drag(point) and let_go() of the hand; pierce(point), and suture(a, b) with places
-// at rest.
+// at rest. aim() when a drag or a click of the latter begins. The function that it returns ends a drag without effect.
 export function follow_mouse(picture, tool, hands) {
   const canvas = picture.canvas;
   let drag = null;  // {button, tool, way, last, point}
@@ -23,6 +23,9 @@ export function follow_mouse(picture, tool, hands) {
     begin[drag.tool]?.(now);
   });
   const begin = {
+    knife: hands.aim,
+    needle: hands.aim,
+    suture: hands.aim,
     grab(now) {
       const hit = picture.hit(...now);
       if (hit) hands.grab(drag.point = hit.point);
@@ -48,11 +51,15 @@ export function follow_mouse(picture, tool, hands) {
   });
   // It ends at a place of its own, or where it began.
   const way_to = (place, way) => (length(way.at(-1), place) > 1 || way.length === 1 ? [...way, place] : way);
-  const end = (event) => {
+  const cancel = () => {
     const done = drag;
     drag = null;
     show_line([]);
     if (done?.point) hands.let_go();
+    return done;
+  };
+  const end = (event) => {
+    const done = cancel();
     if (done && event.type === 'pointerup') finish[done.tool]?.(way_to(place(event), done.way));
   };
   const finish = {
@@ -75,4 +82,5 @@ export function follow_mouse(picture, tool, hands) {
     picture.zoom(Math.exp(event.deltaY * 0.001));
   }, { passive: false });
   canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+  return cancel;
 }

@@ -4,6 +4,7 @@
 import { colour_at } from './look.js';
 import { Picture } from './scene.js';
 import { follow_mouse } from './hands.js';
+import { follow_keys } from './keys.js';
 import { show_values } from './panel.js';
 import { Plots } from './plots.js';
 import { Video, save_picture, save_text } from './save.js';
@@ -39,17 +40,16 @@ function decode(buffer) {
 function take_message(buffer) {
   const { head, take } = decode(buffer);
   if (head.kind === 'surface') {
-    picture.set_surface(head, take(Uint32Array, 3 * head.triangles), take(Uint32Array, 2 * head.edges),
-      take(Float32Array, 3 * head.points));
+    picture.set_surface(head, take(Uint32Array, head.faces * head.corners), take(Float32Array, 3 * head.points));
     live.surface = head;
     return;
   }
+  live.state = head;
+  is_awaited = true;
   const points = live.surface.points;
   picture.set_state(head, take(Float32Array, 3 * points), take(Float32Array, points));
-  live.state = head;
   show_numbers(head);
   if (head.plots) plots.add(head.time, head.plots);
-  is_awaited = true;
 }
 
 // The next picture may come while this one is drawn.
@@ -107,7 +107,7 @@ function show_numbers(head) {
   $('#numbers').textContent = [
     `${live.greeting.title}, ${live.greeting.elements} elements`,
     `t = ${digits(head.time)} s, step ${head.step}${head.ended ? ', ended' : ''}`,
-    head.playing ? `${digits(head.steps_per_second, 3)} steps/s, ${digits(head.real_time, 3)} of real time` : 'paused',
+    head.playing ? `${Number(digits(head.steps_per_second, 3))} steps/s, ${digits(head.real_time, 3)} of real time` : 'paused',
     `balance ${digits(100 * head.balance, 2)} %`].join('\n');
   $('#legend').hidden = head.field === 'island';
   const unit = live.greeting.fields.find((field) => field.name === head.field)?.unit;
@@ -125,11 +125,14 @@ function show_force(held, text) {
   text.style.top = `${y - 8}px`;
 }
 
+// A page that changes is drawn for longer than the picture that a hand waits for.
+const later = (change) => setTimeout(change, 100);
+
 function show_kept(kept) {
   live.kept = kept;
   const names = kept.map((state) => new Option(
     `${state.action ? 'before ' : ''}${state.name}, ${digits(state.time, 3)} s`, state.id));
-  $('#kept').replaceChildren(new Option('go back to ...', ''), ...names.reverse());
+  later(() => $('#kept').replaceChildren(new Option('go back to ...', ''), ...names.reverse()));
 }
 
 function show_message(kind, text) {
@@ -137,9 +140,11 @@ function show_message(kind, text) {
   const item = document.createElement('li');
   item.className = kind;
   item.textContent = text;
-  $('#messages').append(item);
-  if ($('#messages').children.length > 50) $('#messages').firstChild.remove();
-  $('#messages').scrollTop = $('#messages').scrollHeight;
+  later(() => {
+    $('#messages').append(item);
+    if ($('#messages').children.length > 50) $('#messages').firstChild.remove();
+    $('#messages').scrollTop = $('#messages').scrollHeight;
+  });
 }
 
 function draw_legend() {
@@ -156,7 +161,7 @@ const clip = () => picture.clip($('#clip').value, Number($('#clip-at').value));
 // In coordinates of the scene.
 const in_scene = (point) => point.toArray().map((x, axis) => x + live.greeting.origin[axis]);
 const from_scene = (place) => place.map((x, axis) => x - live.greeting.origin[axis]);
-const apply = (event) => { if (live.control) send({ do: 'apply', event }); };
+const apply = (event, aimed = false) => { if (live.control) send({ do: 'apply', event, aimed }); };
 
 // A mouse moves more often than a hand needs to know; where it stops counts.
 const drag_interval = 30;  // ms
@@ -174,23 +179,26 @@ function send_drag(point) {
 }
 
 const hands = {
+  aim() {
+    if (live.control) send({ do: 'aim' });
+  },
   is_path: () => $('#cut').value === 'path',
   cut(way) {
     const along = $('#along-blade').checked ? 'blade' : 'faces';
     if (!hands.is_path()) {
       const polygon = picture.plane_through(way[0], way.at(-1)).map(in_scene);
-      return apply({ cut: { plane: { polygon }, along } });
+      return apply({ cut: { plane: { polygon }, along } }, true);
     }
     const { points, triangles } = picture.swept(way);
-    apply({ sweep: { points: points.map(in_scene), triangles, along } });
+    apply({ sweep: { points: points.map(in_scene), triangles, along } }, true);
   },
   pierce(point) {
-    apply({ pierce: { where: { nearest: in_scene(point) } } });
+    apply({ pierce: { where: { nearest: in_scene(point) } } }, true);
   },
   // Around two places of the rest shape: lips that fit lie at the same place there.
   suture(a, b) {
     const centre = a.clone().add(b).divideScalar(2), radius = a.distanceTo(b) / 2 + 2 * live.greeting.edge;
-    apply({ suture: { where: { sphere: { centre: in_scene(centre), radius } } } });
+    apply({ suture: { where: { sphere: { centre: in_scene(centre), radius } } } }, true);
   },
   take(tool, point) {
     if (live.control) send({ do: 'take', tool: live.greeting.obstacles[tool].name, at: in_scene(point) });
@@ -235,7 +243,19 @@ $('#show-side').onchange = (event) => { $('#side').classList.toggle('open', even
 $('#edges').onchange = (event) => { picture.shows_edges = event.target.checked; picture.draw(); };
 $('#clip').onchange = clip;
 $('#clip-at').oninput = clip;
-document.addEventListener('keydown', (event) => {
-  if (event.code === 'Space' && live.control && event.target === document.body) toggle();
-});
-follow_mouse(picture, () => document.querySelector('.tools input:checked').value, hands);
+$('#fit').onclick = () => picture.fit();
+$('#show-help').onclick = () => $('#help').showModal();
+
+const cancel = follow_mouse(picture, () => $('.tools input:checked').value, hands);
+const press = (selector) => () => $(selector).click();
+follow_keys([
+  { key: 'space', does: 'plays or pauses', act: press('#play') },
+  { key: '.', does: 'makes a step', act: press('#step') },
+  { key: 'z', does: 'takes the last action back', act: press('#back') },
+  { key: 'escape', does: 'lets go; ends a drag without a cut', act: cancel },
+  { key: 'f', does: 'shows the whole body', act: press('#fit') },
+  { key: 'e', does: 'shows or hides edges', act: press('#edges') },
+  ...[...document.querySelectorAll('.tools input')].map((input) => (
+    { key: input.value[0], does: `${input.value}: ${input.parentNode.title}`, act: () => input.click() })),
+  { key: '?', does: 'shows this', act: press('#show-help') },
+], $('#keys'));

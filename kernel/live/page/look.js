@@ -67,7 +67,7 @@ const fragment = `
 
 // A material of the body; `uniforms` are shared: shared_uniforms().
 export function body_material(uniforms, tint) {
-  return new THREE.ShaderMaterial({ vertexShader: vertex, fragmentShader: fragment, side: THREE.DoubleSide,
+  return new THREE.ShaderMaterial({ vertexShader: vertex, fragmentShader: fragment, side: THREE.FrontSide,
     uniforms: { ...uniforms, tint: { value: new THREE.Color(tint) } }, clipping: true,
     extensions: { derivatives: true }, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
 }

@@ -8,6 +8,25 @@ import { body_material, is_drawn_by_software, no_value, shared_uniforms } from '
 // Shorter edges of elements only darken the picture, pixels.
 const shortest_edge = 4;
 
+// Of faces with 3 or 4 corners.
+function triangles_of(corners, size) {
+  if (size === 3) return corners;
+  const triangles = new Uint32Array(corners.length / 4 * 6);
+  for (let i = 0, at = 0; i < corners.length; i += 4)
+    for (const k of [0, 1, 2, 0, 2, 3]) triangles[at++] = corners[i + k];
+  return triangles;
+}
+
+// Each edge of a closed surface belongs to two faces, which run along it in opposite directions.
+function edges_of(corners, size) {
+  const edges = [];
+  for (let i = 0; i < corners.length; ++i) {
+    const next = (i + 1) % size === 0 ? i + 1 - size : i + 1;
+    if (corners[i] < corners[next]) edges.push(corners[i], corners[next]);
+  }
+  return new Uint32Array(edges);
+}
+
 export class Picture {
   constructor(canvas) {
     this.canvas = canvas;
@@ -72,27 +91,35 @@ export class Picture {
     });
   }
 
-  set_surface(head, triangles, edges, rest) {
+  set_surface(head, corners, rest) {
     this.surface = head.surface;
+    this.faces = { corners, size: head.corners };
+    const per_face = 3 * (head.corners - 2);  // corners of triangles
     this.positions = new THREE.BufferAttribute(new Float32Array(3 * head.points), 3);
     this.values = new THREE.BufferAttribute(new Float32Array(head.points), 1);
-    const outside = 3 * (head.triangles - head.laid_open);
+    const outside = per_face * (head.faces - head.laid_open);
     this.body.geometry.dispose();
     this.body.geometry = new THREE.BufferGeometry();
     this.body.geometry.setAttribute('position', this.positions);
     this.body.geometry.setAttribute('value', this.values);
-    this.body.geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+    this.body.geometry.setIndex(new THREE.BufferAttribute(triangles_of(corners, head.corners), 1));
     this.body.geometry.addGroup(0, outside, 0);
-    this.body.geometry.addGroup(outside, 3 * head.laid_open, 1);
-    this.edges.geometry.dispose();
-    this.edges.geometry = new THREE.BufferGeometry();
-    this.edges.geometry.setAttribute('position', this.positions);
-    this.edges.geometry.setIndex(new THREE.BufferAttribute(edges, 1));
+    this.body.geometry.addGroup(outside, per_face * head.laid_open, 1);
     this.rest = rest;
-    this.ghost.geometry.dispose();
-    this.ghost.geometry = new THREE.BufferGeometry();
-    this.ghost.geometry.setAttribute('position', new THREE.BufferAttribute(rest, 3));
-    this.ghost.geometry.setIndex(this.edges.geometry.index);
+    this.has_edges = false;
+  }
+
+  make_edges() {
+    const index = new THREE.BufferAttribute(edges_of(this.faces.corners, this.faces.size), 1);
+    const set = (lines, places) => {
+      lines.geometry.dispose();
+      lines.geometry = new THREE.BufferGeometry();
+      lines.geometry.setAttribute('position', places);
+      lines.geometry.setIndex(index);
+    };
+    set(this.edges, this.positions);
+    set(this.ghost, new THREE.BufferAttribute(this.rest, 3));
+    this.has_edges = true;
   }
 
   // The colours' range covers all that was seen of a field.
@@ -117,7 +144,7 @@ export class Picture {
     this.show_blades(head.blades);
     if (this.radius === 0) this.look_at_body(positions);
     this.show_held(head.hand, head.device);
-    this.draw();
+    this.draw_now();
   }
 
   show_blades(blades) {
@@ -134,6 +161,10 @@ export class Picture {
   }
 
   // ---- camera ----
+
+  fit() {
+    if (this.positions) this.look_at_body(this.positions.array);
+  }
 
   look_at_body(positions) {
     const box = new THREE.Box3().setFromArray(positions);
@@ -254,6 +285,7 @@ export class Picture {
   clip(axis, part) {
     const normal = { x: [-1, 0, 0], y: [0, -1, 0], z: [0, 0, -1] }[axis];
     this.renderer.clippingPlanes = [];
+    for (const material of this.body.material) material.side = normal ? THREE.DoubleSide : THREE.FrontSide;
     if (normal && this.box) {
       const at = this.box.min[axis] + part * (this.box.max[axis] - this.box.min[axis]);
       this.renderer.clippingPlanes = [new THREE.Plane(new THREE.Vector3(...normal), at)];
@@ -283,9 +315,25 @@ export class Picture {
     this.is_due = true;
     requestAnimationFrame(() => {
       this.is_due = false;
-      this.before_drawing();
-      this.edges.visible = this.shows_edges && this.pixels(this.edge) >= shortest_edge;
-      this.renderer.render(this.scene, this.camera);
+      this.render();
     });
+  }
+
+  // At once, so that it is done by the next refresh; but only one picture for each.
+  draw_now() {
+    if (this.is_due || this.is_fresh) {
+      this.draw();
+      return;
+    }
+    this.is_fresh = true;
+    requestAnimationFrame(() => { this.is_fresh = false; });
+    this.render();
+  }
+
+  render() {
+    this.before_drawing();
+    this.edges.visible = this.shows_edges && this.pixels(this.edge) >= shortest_edge;
+    if (this.faces && !this.has_edges && (this.edges.visible || this.ghost.visible)) this.make_edges();
+    this.renderer.render(this.scene, this.camera);
   }
 }

@@ -9,6 +9,7 @@
 #ifndef SUTURE_DIFFUSION_HPP
 #define SUTURE_DIFFUSION_HPP
 
+#include "suture/detail/law.hpp"
 #include "suture/hexahedron.hpp"
 #include "suture/model.hpp"
 

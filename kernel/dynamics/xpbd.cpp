@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <limits>
+
+#include "kernel/attributes/held.hpp"
+#include "kernel/base/error.hpp"
+#include "kernel/dynamics/integrators.hpp"
+#include "kernel/dynamics/residual.hpp"
+
+namespace suture {
+namespace {
+
+/// Position based dynamics with compliance, one iteration per step (a "substep" of Macklin et al.,
+/// Small steps in physics simulation, SCA 2019):
+///   v* = v + h (f_ext / m + g),   x* = x + h v*
+///   x' = x*, and then moved cell by cell (force_loop_project.cpp)
+///   v' = exp(-alpha h) (x' - x) / h
+/// f_ext: of all terms but the models, at the end of the step. Any step is bounded, but soft: it
+/// leaves out a part h^2 w / 2 of the stiffness. What the kinetic energy lacks after a step is
+/// booked as dissipated.
+class Xpbd final : public Integrator {
+ public:
+  explicit Xpbd(Motion& motion) : Integrator(motion) {
+    const std::string without = body().models().without_projection();
+    if (!without.empty())
+      throw InputError(
+          "the integrator 'xpbd' moves nodes by energies and forces that positions "
+          "determine, and " +
+          without + "; use another integrator or model");
+  }
+
+  bool is_implicit() const override { return true; }
+  bool is_solved() const override { return false; }
+  bool is_other_step(double) const override { return false; }
+
+  void begin(double dt) override {
+    motion_.evaluate();
+    start_.begin(motion_);
+    dt_ = dt;
+    const double end = motion_.time() + dt;
+    predict(end);
+    const ForceLoop::Softness step = body().models().project({end, dt, inverse_mass().data()});
+    softness_.energy += step.energy;
+    softness_.missing += step.missing;
+    find_velocities();
+  }
+
+  void accept(double end) override {
+    body().constraints().apply(body().attributes(), end);
+    motion_.arrive(dt_, end);
+    motion_.sums().add_step(start_.sums(motion_, StepWork::Losses::all));
+  }
+
+  void reject() override {
+    start_.restore(motion_);
+    motion_.discard_forces();
+  }
+
+  void forget_cells() override { inverse_mass_.clear(); }
+
+  double softness() const override {
+    return softness_.energy > 0 ? softness_.missing / softness_.energy : 0;
+  }
+
+  /// By w in a uniform deformation: at rest there is no energy, and at random all is stiff.
+  double step_of_softness(double softness) override {
+    constexpr double instant = 1e-9;  // s, in which what is missing grows with the square
+    constexpr double gradient[3][3] = {
+        {3e-4, 2e-4, 1e-4}, {-1e-4, 2e-4, 3e-4}, {2e-4, 1e-4, -3e-4}};
+    Column& position = body().attributes().position();
+    const std::vector<double> before(position.rows(), position.rows() + inverse_mass().size());
+    for (std::size_t i = 0; i < before.size(); ++i)
+      for (std::size_t c = 0; i % 4 != 3 && c < 3; ++c)
+        position.rows()[i] += gradient[i % 4][c] * before[i / 4 * 4 + c];
+    const ForceLoop::Softness unit =
+        body().models().project({motion_.time(), instant, inverse_mass().data(), false});
+    std::ranges::copy(before, position.rows());
+    return unit.missing > 0
+               ? instant * std::sqrt(softness / (1 - softness) * unit.energy / unit.missing)
+               : std::numeric_limits<double>::infinity();
+  }
+
+  void state(Archive& archive) override {
+    archive("energy", softness_.energy);
+    archive("missing", softness_.missing);
+    if (archive.loads()) inverse_mass_.clear();
+  }
+
+ private:
+  Body& body() const { return motion_.body(); }
+
+  void predict(double end) {
+    Attributes& attributes = body().attributes();
+    load_.assign(inverse_mass().size(), 0);
+    for (const auto& term : body().loads()) term->add_forces(end, motion_.moving(), load_.data());
+    const Vec3 gravity = body().acceleration(end);
+    double *x = attributes.position().rows(), *v = attributes.velocity().rows();
+    for (std::size_t i = 0; i < load_.size(); ++i) {
+      if (inverse_mass_[i] == 0) continue;
+      v[i] += dt_ * (load_[i] * inverse_mass_[i] + gravity[i % 4]);
+      x[i] += dt_ * v[i];
+    }
+    body().constraints().apply(attributes, end);
+  }
+
+  void find_velocities() {
+    Attributes& attributes = body().attributes();
+    const double* x = attributes.position().rows();
+    double* v = attributes.velocity().rows();
+    const double rate = std::exp(-motion_.damping() * dt_) / dt_;
+    for (std::size_t i = 0; i < load_.size(); ++i)
+      if (inverse_mass_[i] != 0) v[i] = rate * (x[i] - start_.position()[i]);
+  }
+
+  /// Rows of 4, 1/kg; 0 where components are held.
+  const AlignedVector<double>& inverse_mass() {
+    if (!inverse_mass_.empty()) return inverse_mass_;
+    Attributes& attributes = body().attributes();
+    inverse_mass_.assign(std::size_t{attributes.vertex_count()} * 4, 0);
+    for (Index v = 0; v < attributes.vertex_count(); ++v)
+      for (std::size_t c = 0; c < 3; ++c)
+        if (!is_held(held_components(attributes, v), c))
+          inverse_mass_[std::size_t{v} * 4 + c] = 1 / attributes.mass().get(v, 0);
+    return inverse_mass_;
+  }
+
+  double dt_ = 0;
+  StepWork start_;
+  ForceLoop::Softness softness_;               ///< of all steps
+  AlignedVector<double> inverse_mass_, load_;  ///< rows of 4; the first is empty while unknown
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> make_xpbd(Motion& motion, const IntegratorOptions&) {
+  return std::make_unique<Xpbd>(motion);
+}
+
+}  // namespace suture

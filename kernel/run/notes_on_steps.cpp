@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/notes_on_steps.hpp"
+
+#include <sstream>
+
+#include "kernel/base/message_text.hpp"
+#include "kernel/implicit/newton.hpp"
+
+namespace suture {
+namespace {
+
+// A part of the stiffness: the error of displacements is proportional to less.
+constexpr double estimable = 0.2;
+
+}  // namespace
+
+std::string rounding_warning(Dynamics& dynamics, double tolerance) {
+  const Newton* newton = dynamics.newton();
+  if (!newton || newton->limited_steps() == 0) return "";
+  std::ostringstream text;
+  text << "rounding kept the residual of " << count_text(newton->limited_steps(), "step")
+       << " above the tolerance of " << tolerance << " of the forces, at "
+       << newton->rounding_limit() << ": the tolerance is below rounding error";
+  return text.str();
+}
+
+std::vector<std::string> notes_on_steps(Dynamics& dynamics) {
+  std::vector<std::string> notes;
+  const Newton* newton = dynamics.newton();
+  if (newton && !newton->budget_text().empty()) notes.push_back(newton->budget_text());
+  if (const double softness = dynamics.softness(); softness > 0) {
+    std::ostringstream text;
+    text << "the stiffness depends on the step: steps left out about " << 100 * softness
+         << " % of it";
+    if (softness < estimable)
+      text << ", so displacements are too large by about as much; half of dt leaves out a quarter "
+              "of that";
+    else
+      text << ", which is too much to say what displacements would be without; reduce dt";
+    notes.push_back(text.str());
+  }
+  return notes;
+}
+
+}  // namespace suture

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Position based dynamics: as soft as its formula says, bounded, and the same for any number of
+// threads.
+#include <gtest/gtest.h>
+
+#include "tests/base/sanitizer.hpp"
+#include "tests/dynamics/model_block.hpp"
+
+namespace {
+
+using suture::Index, suture::Vec3;
+
+constexpr const char* xpbd = "xpbd";
+
+// One spring between a plate that is held and another: a step is one of implicit Euler.
+TEST(Xpbd, IsExactForOneSpring) {
+  for (const double h : {0.1, 0.05, 0.01}) {
+    rig::Oscillator o({.integrator = xpbd, .damping = 20, .gravity = {1, 0, 0}});
+    o.start();
+    o.run(h, static_cast<int>(20 / h));
+    const double square = h * h * o.k / o.m, softness = square / (2 + square);
+    EXPECT_NEAR(o.u(), o.m / o.k, 1e-9) << h;
+    EXPECT_NEAR(o.dynamics.softness(), softness, 1e-9 * softness);
+    EXPECT_NEAR(o.dynamics.step_of_softness(softness), h, 0.05 * h);
+  }
+}
+
+// Its period, and all that its steps lose, is in the balance.
+TEST(Xpbd, BooksWhatItLoses) {
+  rig::Oscillator o({.integrator = xpbd});
+  o.displace(0.01);
+  o.start();
+  double before = energies(o.dynamics).total();
+  const double all = before;
+  for (int i = 0; i < 400; ++i) {
+    o.step(5e-3);
+    const double now = energies(o.dynamics).total();
+    ASSERT_LT(now, before + 1e-12 * all);
+    before = now;
+  }
+  const suture::EnergyBalance end = o.dynamics.balance();
+  EXPECT_GT(end.dissipated, 0.05 * all);
+  EXPECT_NEAR(end.dissipated, all - before, 1e-9 * all);
+  EXPECT_NEAR(end.balance, 0, 1e-9 * all);
+}
+
+TEST(Xpbd, IsTheSameForAnyNumberOfThreads) {
+  std::vector<double> one;
+  for (const unsigned threads : suture::test::thread_counts()) {
+    rig::Moving m(spring_model::box(20, 20, 20), {xpbd, 1, {0, -9.8, 0}, {}}, {100, 0, 0}, true,
+                  threads);
+    m.hold(m.at(0, 0), 7);
+    m.start();
+    m.run(1e-3, 5);
+    if (one.empty()) one = m.state();
+    rig::expect_same_bits(m.state(), one);
+  }
+}
+
+// Steps far beyond the stable one.
+TEST(Xpbd, StaysBoundedAtAnyStiffness) {
+  for (const double E : {4e3, 4e5, 4e7, 4e9})
+    for (const char* model : {"tm-faure", "mss-baudet"}) {
+      rig::Cantilever body(model, {{"E", E}, {"nu", 0.3}, {"rho", 1000}, {"viscosity", 0}},
+                           {.integrator = xpbd});
+      body.run(1.0 / 600, 600);
+      EXPECT_LT(body.tip(), 0) << model << E;
+      EXPECT_GT(body.tip(), -2) << model << E;
+    }
+}
+
+// What is missing falls with the square of the step, and the estimate says how much it is.
+TEST(Xpbd, ErrorFallsWithTheSquareOfTheStep) {
+  const auto tip = [](double h) {
+    rig::Cantilever body("tm-faure", {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}},
+                         {.integrator = xpbd, .damping = 5});
+    body.run(h, static_cast<int>(4 / h));
+    return std::pair(body.tip(), body.dynamics.softness());
+  };
+  const auto [coarse, soft] = tip(1.0 / 400);
+  const auto [fine, half_soft] = tip(1.0 / 800);
+  const auto [finest, unused] = tip(1.0 / 1600);
+  EXPECT_NEAR((coarse - fine) / (fine - finest), 4, 1);
+  const double exact = finest - (fine - finest) / 3;
+  EXPECT_NEAR(soft, coarse / exact - 1, 0.25 * soft);
+  EXPECT_NEAR(soft / half_soft, 4, 0.5);
+}
+
+TEST(Xpbd, GoesOnAfterACut) {
+  rig::Cantilever body("tm-faure", {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}}, {.integrator = xpbd});
+  body.run(1e-3, 50);
+  std::vector<suture::Dart> faces;
+  for (Index e = 0; e < 4; ++e)
+    for (Index f = 0; f < 6; ++f) {
+      const suture::Dart face = 24 * (e + 12) + 4 * f, mate = body.complex().beta3(face);
+      if (mate != suture::none && suture::element_of(mate) >= 16) faces.push_back(face);
+    }
+  ASSERT_EQ(faces.size(), 4u);
+  body.cut(faces);
+  body.run(1e-3, 400);
+  EXPECT_GT(-body.tip(), 0.15) << "the end falls";
+}
+
+// Where a position alone does not determine forces and energies, there is nothing to project.
+TEST(Xpbd, RefusesWhatItCannotProject) {
+  const auto message = [](const rig::Springs& springs) -> std::string {
+    try {
+      rig::Oscillator(rig::Options{.integrator = xpbd}, springs);
+    } catch (const suture::InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message({100, 0, 0}), "");
+  EXPECT_NE(message({100, 1, 0}).find("reads velocities"), std::string::npos);
+  EXPECT_NE(message({100, 0, 40}).find("no energy"), std::string::npos);
+}
+
+}  // namespace

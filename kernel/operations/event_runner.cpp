@@ -391,21 +391,6 @@ EventRunner::State EventRunner::prepare(const Event& event) {
   return state;
 }
 
-MovingBlade EventRunner::blade_of(const CutBlade& cut) const {
-  if (cut.carried) return MovingBlade::carried(points_of(*cut.carried, 0));
-  std::vector<BladeKey> keys;
-  for (const CutBlade::Station& station : cut.stations)
-    keys.push_back({station.at, station.points});
-  return MovingBlade(std::move(keys));
-}
-
-std::vector<Vec3> EventRunner::points_of(const CutBlade::Carried& carried, double time) const {
-  const Pose pose = built_.body().contact()->pose(carried.obstacle, time);
-  std::vector<Vec3> points = carried.points;
-  for (Vec3& point : points) point = pose.place(point);
-  return points;
-}
-
 // Lists and sets that the mesh does not have are mistakes in the scene, reported before
 // anything runs. What geometry selects is known when the event fires.
 void EventRunner::check(const Event& event) {
@@ -484,22 +469,6 @@ void EventRunner::roll_back(double time) {
     const auto* cut = std::get_if<CutBlade>(&scene_.events[i].what);
     if (cut->carried) state.blade->carry_to(time, points_of(*cut->carried, time));
     state.blade->advance(built_.body().complex(), places, time);
-  }
-}
-
-void EventRunner::finish() {
-  for (std::size_t i = 0; i < scene_.events.size(); ++i) {
-    const Event& event = scene_.events[i];
-    const bool reported = event.is_timed() || (event.when && states_[i].has_fired);  // at its time
-    if (states_[i].had_effect || reported) continue;
-    std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
-    if (event.when) text += ": its condition was never met";
-    if (states_[i].blade) {
-      text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
-                                         Places{built_.body().attributes().position().rows()},
-                                         built_.frame().origin, states_[i].sheet != nullptr);
-    }
-    diagnostics_.warn(text);
   }
 }
 

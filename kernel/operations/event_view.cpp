@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What others see of events: outcomes, opened faces and blades.
+// What others see of events: outcomes, opened faces, blades, and what had no effect.
 #include "kernel/base/archive.hpp"
 #include "kernel/base/message_text.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/moving_blade.hpp"
 #include "kernel/geometry/surface_blade.hpp"
+#include "kernel/operations/cut_faces.hpp"
 #include "kernel/operations/event_runner.hpp"
 #include "kernel/operations/swept_sheet.hpp"
 
@@ -38,6 +40,21 @@ std::string EventOutcome::text() const {
   return text;
 }
 
+MovingBlade EventRunner::blade_of(const CutBlade& cut) const {
+  if (cut.carried) return MovingBlade::carried(points_of(*cut.carried, 0));
+  std::vector<BladeKey> keys;
+  for (const CutBlade::Station& station : cut.stations)
+    keys.push_back({station.at, station.points});
+  return MovingBlade(std::move(keys));
+}
+
+std::vector<Vec3> EventRunner::points_of(const CutBlade::Carried& carried, double time) const {
+  const Pose pose = built_.body().contact()->pose(carried.obstacle, time);
+  std::vector<Vec3> points = carried.points;
+  for (Vec3& point : points) point = pose.place(point);
+  return points;
+}
+
 std::vector<BladeShape> EventRunner::blades(double time) const {
   std::vector<BladeShape> shapes;
   for (std::size_t i = 0; i < states_.size(); ++i) {
@@ -52,6 +69,22 @@ std::vector<BladeShape> EventRunner::blades(double time) const {
       shapes.push_back({number, surface->points, surface->triangles});
   }
   return shapes;
+}
+
+void EventRunner::finish() {
+  for (std::size_t i = 0; i < scene_.events.size(); ++i) {
+    const Event& event = scene_.events[i];
+    const bool reported = event.is_timed() || (event.when && states_[i].has_fired);  // at its time
+    if (states_[i].had_effect || reported) continue;
+    std::string text = event.path + ": " + event.operation() + " had no effect in the whole run";
+    if (event.when) text += ": its condition was never met";
+    if (states_[i].blade) {
+      text += ": " + why_nothing_was_cut(states_[i].blade->box(), built_.body().complex(),
+                                         Places{built_.body().attributes().position().rows()},
+                                         built_.frame().origin, states_[i].sheet != nullptr);
+    }
+    diagnostics_.warn(text);
+  }
 }
 
 void OpenedFace::state(Archive& archive) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "kernel/geometry/surface.hpp"
-
 #include "kernel/parts/moments.hpp"
 
 namespace suture {

@@ -200,6 +200,7 @@ def machine_text(file, machine):
     return "*" + "; ".join([suture, f"{machine['processor']}, {size}", f"loops for {machine['isa']}",
                             machine["compiler"], machine["system"], machine["libraries"]]) + "*\n"
 
+
 # Sections that other programs make: shape_precision.py.
 BY_OTHERS = ["Shape"]
 

@@ -201,6 +201,10 @@ def machine_text(file, machine):
                             machine["compiler"], machine["system"], machine["libraries"]]) + "*\n"
 
 
+# Sections that other programs make: shape_precision.py.
+BY_OTHERS = ["Shape"]
+
+
 def sections_of(document):
     """The sections that it has, by title."""
     if not document.exists():
@@ -227,7 +231,8 @@ def main():
         file = folder / f"{name}.json"
         if name in sys.argv[3:] and file.exists():
             sections[title] = section_text(file, title, text, plot, docs)
-    written = [sections[title] for _, title, _, _ in SECTIONS if title in sections]
+    titles = [title for _, title, _, _ in SECTIONS] + BY_OTHERS
+    written = [sections[title] for title in titles if title in sections]
     if not written:
         return
     head = ("# Benchmarks\n\nWritten by `./dev bench`. To update one section, run `./dev bench NAME`; the "

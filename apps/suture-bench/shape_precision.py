@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Error against run time for bodies whose shape is a surface: a round rod in torsion and a thick
-sphere under pressure, as parts of cubes, as whole cubes, and on meshes that follow the surface in
+"""Error against run time where the shape matters: a round rod in torsion, a thick sphere under
+pressure and a bar after an oblique cut, as parts of cubes, as whole cubes, and on meshes that follow the surface in
 CalculiX (needs `gmsh` and `ccx`). Prints a table in Markdown.
 
     shape_precision.py path/to/suture
@@ -17,14 +17,16 @@ import subprocess
 import sys
 import tempfile
 
-E, NU = 1000.0, 0.3  # Pa
-MATERIAL = {"model": "hooke", "parameters": {"E": E, "nu": NU, "rho": 1000, "element": "mean-gradient"}}
+E, NU, DENSITY = 1000.0, 0.3, 1000  # Pa, 1, kg/m^3
+MATERIAL = {"model": "hooke", "parameters": {"E": E, "nu": NU, "rho": DENSITY, "element": "mean-gradient"}}
 ROUNDS = 3
 
 # The rod: radius and length, m, about x; what lies between the ends that are held is twisted.
 RADIUS, LENGTH, GRIP, ANGLE = 0.1, 0.6, 0.1, 0.1  # m, m, m, degrees
 # The sphere: radii and pressure inside.
 INNER, OUTER, PRESSURE = 0.5, 1.0, 1e-3  # m, m, Pa
+# The bar of 1 m: its other sides, the tilt of the cut, and its weight, m/s^2.
+SIDE, TILT, GRAVITY = 0.25, math.pi / 6, 1e-5  # m, radians, m/s^2
 
 
 def timed(*command, folder):
@@ -159,18 +161,24 @@ def sphere_in_suture(suture, folder, edge, is_whole):
     return cpu, float(last_row(folder / "out/energies.csv")["elastic [J]"]) / sphere_energy() - 1
 
 
+
 GAUGE = LENGTH - 2 * GRIP
-ROD_OF_TETRAHEDRA = f"""SetFactory("OpenCASCADE");
-Cylinder(1) = {{0, 0, 0, {GAUGE}, 0, 0, {RADIUS}}};
+ROD_OF_TETRAHEDRA = f"""Cylinder(1) = {{0, 0, 0, {GAUGE}, 0, 0, {RADIUS}}};
 """
-ROD_OF_HEXAHEDRA = f"""SetFactory("OpenCASCADE");
-Disk(1) = {{0, 0, 0, {RADIUS}, {RADIUS}}};
+ROD_OF_HEXAHEDRA = f"""Disk(1) = {{0, 0, 0, {RADIUS}, {RADIUS}}};
 Rotate {{{{0, 1, 0}}, {{0, 0, 0}}, Pi / 2}} {{ Surface{{1}}; }}
 Recombine Surface{{1}};
 Mesh.SecondOrderIncomplete = 1;
 Mesh.SubdivisionAlgorithm = 1;
 Extrude {{{GAUGE}, 0, 0}} {{ Surface{{1}}; Layers{{Ceil({GAUGE} / EDGE)}}; Recombine; }}
 """
+# Two boxes, each without what lies on the other side of the plane.
+CUT_BAR = "".join(f"""Box({i}) = {{0, 0, 0, 1, {SIDE}, {SIDE}}};
+Box({i + 2}) = {{{x}, -4, -4, 8, 8, 8}};
+Rotate {{{{0, 1, 0}}, {{0, 0, 0}}, {-TILT}}} {{ Volume{{{i + 2}}}; }}
+Translate {{0.5, {SIDE / 2}, {SIDE / 2}}} {{ Volume{{{i + 2}}}; }}
+BooleanDifference {{ Volume{{{i}}}; Delete; }}{{ Volume{{{i + 2}}}; Delete; }}
+""" for i, x in ((1, 0), (2, -8)))
 # gmsh's numbers of element types, and its order of nodes in that of CalculiX
 TYPES = {"C3D10": (11, [0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
          "C3D20R": (17, [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15])}
@@ -197,36 +205,68 @@ def read_gmsh(file, element):
     return {n: at for n, at in nodes.items() if n in used}, cells
 
 
-def rod_in_calculix(folder, edge, element):
-    geometry = ROD_OF_TETRAHEDRA if element == "C3D10" else ROD_OF_HEXAHEDRA.replace("EDGE", str(edge))
-    (folder / "rod.geo").write_text(geometry)
+def run_calculix(folder, geometry, edge, element, step):
+    """CPU seconds of gmsh and ccx, and the nodes. `step`: from the nodes to what follows the mesh."""
+    (folder / "c.geo").write_text('SetFactory("OpenCASCADE");\n' + geometry)
     cpu = timed("gmsh", "-3", "-order", 2, "-clmax", edge, "-clmin", edge, "-format", "msh22",
-                "-o", "rod.msh", "rod.geo", folder=folder)
-    nodes, cells = read_gmsh(folder / "rod.msh", element)
-    angle = math.radians(ANGLE)
-    with open(folder / "rod.inp", "w", encoding="ascii") as out:
+                "-o", "c.msh", "c.geo", folder=folder)
+    nodes, cells = read_gmsh(folder / "c.msh", element)
+    with open(folder / "c.inp", "w", encoding="ascii") as out:
         out.write("*NODE, NSET=ALL\n")
         out.writelines("%d, %.12g, %.12g, %.12g\n" % (n, *at) for n, at in nodes.items())
         out.write(f"*ELEMENT, TYPE={element}, ELSET=BODY\n")
         for i, cell in enumerate(cells):
             values = [str(v) for v in [i + 1, *cell]]
-            out.write(", ".join(values[:11]) + (",\n" + ", ".join(values[11:]) if len(values) > 11 else "") + "\n")
-        left = [n for n, at in nodes.items() if at[0] < 1e-9]
-        out.write("*NSET, NSET=LEFT\n" + "".join(f"{n},\n" for n in left))
-        out.write(f"*MATERIAL, NAME=M\n*ELASTIC\n{E}, {NU}\n*SOLID SECTION, ELSET=BODY, MATERIAL=M\n")
-        out.write("*STEP\n*STATIC\n*BOUNDARY\nLEFT, 1, 3\n")
+            out.write(", ".join(values[:11]) + "".join(f",\n{v}" for v in values[11:]) + "\n")
+        out.write(f"*MATERIAL, NAME=M\n*ELASTIC\n{E}, {NU}\n*DENSITY\n{DENSITY}\n"
+                  "*SOLID SECTION, ELSET=BODY, MATERIAL=M\n" + step(nodes))
+    return cpu + timed("ccx", "-i", "c", folder=folder), nodes
+
+
+def rod_in_calculix(folder, edge, element):
+    angle = math.radians(ANGLE)
+
+    def step(nodes):
+        text = "*NSET, NSET=LEFT\n" + "".join(f"{n},\n" for n, at in nodes.items() if at[0] < 1e-9)
+        text += "*STEP\n*STATIC\n*BOUNDARY\nLEFT, 1, 3\n"
         for n, (x, y, z) in nodes.items():
             if x > GAUGE - 1e-9:
-                out.write(f"{n}, 1, 1, 0\n{n}, 2, 2, {-angle * z:.12g}\n{n}, 3, 3, {angle * y:.12g}\n")
-        out.write("*NODE PRINT, NSET=LEFT\nRF\n*END STEP\n")
-    cpu += timed("ccx", "-i", "rod", folder=folder)
+                text += f"{n}, 1, 1, 0\n{n}, 2, 2, {-angle * z:.12g}\n{n}, 3, 3, {angle * y:.12g}\n"
+        return text + "*NODE PRINT, NSET=LEFT\nRF\n*END STEP\n"
+
+    geometry = ROD_OF_TETRAHEDRA if element == "C3D10" else ROD_OF_HEXAHEDRA.replace("EDGE", str(edge))
+    cpu, nodes = run_calculix(folder, geometry, edge, element, step)
     moment = 0.0
-    for line in (folder / "rod.dat").read_text().splitlines():
+    for line in (folder / "c.dat").read_text().splitlines():
         values = line.split()
         if len(values) == 4 and values[0].isdigit():
             _, y, z = nodes[int(values[0])]
             moment += y * float(values[3]) - z * float(values[2])
     return cpu, abs(moment) / torsion(0, GAUGE) - 1
+
+
+def bar_in_suture(suture, folder, across, along):
+    """The energy of a bar of 1 m whose ends are held, cut right through at 30 degrees."""
+    cpu = run_scene(suture, folder, {
+        "mesh": {"box": {"size": [1, SIDE, SIDE], "cells": [4 * across, across, across]}},
+        "gravity": [0, 0, -GRAVITY],
+        "constraints": [{"fix": "xyz", "where": {"set": end}} for end in ("x0", "x1")],
+        "events": [{"at": 0.5, "cut": {"along": along, "plane": {
+            "point": [0.5, SIDE / 2, SIDE / 2], "normal": [math.cos(TILT), 0, math.sin(TILT)]}}}],
+        "solver": {"static": {"frames": 2, "tolerance": 1e-6}, "end": 1, "threads": 1},
+        "output": {"frames": False, "energies": {}}})
+    return cpu, float(last_row(folder / "out/energies.csv")["elastic [J]"])
+
+
+def bar_in_calculix(folder, edge):
+    def step(nodes):
+        held = (n for n, at in nodes.items() if min(at[0], 1 - at[0]) < 1e-9)
+        return ("*NSET, NSET=ENDS\n" + "".join(f"{n},\n" for n in held)
+                + f"*STEP\n*STATIC\n*BOUNDARY\nENDS, 1, 3\n*DLOAD\nBODY, GRAV, {GRAVITY}, 0, 0, -1\n"
+                "*EL PRINT, ELSET=BODY, TOTALS=ONLY\nELSE\n*END STEP\n")
+
+    cpu, _ = run_calculix(folder, CUT_BAR, edge, "C3D10", step)
+    return cpu, float((folder / "c.dat").read_text().split()[-1])
 
 
 def print_table(title, rows):
@@ -251,6 +291,14 @@ def main():
         rows = [("Suture", method, OUTER / n, sphere_in_suture(suture, folder, OUTER / n, is_whole))
                 for method, is_whole in (("parts of cubes", False), ("whole cubes", True)) for n in (8, 16, 32)]
         print_table("Thick sphere under pressure, energy", rows)
+        calculix = [(h, bar_in_calculix(folder, h)) for h in (SIDE / 2, SIDE / 4, SIDE / 8, SIDE / 12)]
+        exact = calculix[-1][1][1]
+        rows = [("Suture", method, SIDE / n, bar_in_suture(suture, folder, n, along))
+                for method, along in (("parts of cubes", "blade"), ("whole cubes", "faces"))
+                for n in (4, 8, 16)]
+        rows += [("CalculiX with gmsh", "C3D10", h, run) for h, run in calculix]
+        print_table("Bar cut at 30 degrees under its weight, energy",
+                    [(*row[:3], (row[3][0], row[3][1] / exact - 1)) for row in rows])
 
 
 if __name__ == "__main__":

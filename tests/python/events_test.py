@@ -57,7 +57,7 @@ class Operations(unittest.TestCase):
         self.assertAlmostEqual(sim.mass.sum() / mass, 1, 12)
         sim.run()
         self.assertIn("4 islands", sim.messages[-1])
-        with self.assertRaisesRegex(suture.InputError, "add such an event to the scene"):
+        with self.assertRaisesRegex(suture.InputError, "set \"divisible\": true in the scene"):
             suture.Simulation(bar()).cut(plane=([1.3, 0, 0], [1, 0, 0]), along="blade")
         with self.assertRaisesRegex(ValueError, "along must be 'faces' or 'blade'"):
             sim.cut(surface=(vertices, [[0, 1, 2]]), along="side")

@@ -128,8 +128,12 @@ std::vector<SurfaceTriangle> triangles_of_copies(std::span<const SurfaceTriangle
       return std::any_of(first, last,
                          [&](const auto& entry) { return lies_in(small, *entry.second); });
     };
-    const auto of_small = std::ranges::equal_range(by_copy, small.element, {}, &Split::new_cell);
-    if (std::ranges::any_of(of_small, had)) found.push_back(small);
+    auto copy = std::ranges::lower_bound(by_copy, small.element, {}, &Split::new_cell);
+    const auto is_of_small = [&] {
+      return copy != by_copy.end() && copy->new_cell == small.element;
+    };
+    while (is_of_small() && !had(*copy)) ++copy;
+    if (is_of_small()) found.push_back(small);
   });
   std::ranges::stable_sort(found, {}, &SurfaceTriangle::element);
   return found;

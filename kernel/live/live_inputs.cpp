@@ -233,7 +233,7 @@ void LiveRun::reset(Observer& observer) {
 void LiveRun::go_back(const Json& input, Observer& observer) {
   require_own("go back");
   const bool takes_back = !input.contains("to");
-  KeptState kept =
+  LiveState kept =
       takes_back ? kept_.take_last_action() : kept_.take(whole_number(input["to"], "'to'"));
   build(pictures_->last_number(), &kept.state);
   hand_ = kept.hand;
@@ -246,8 +246,8 @@ void LiveRun::go_back(const Json& input, Observer& observer) {
   tell_lists();
 }
 
-KeptState LiveRun::state_now() {
-  KeptState kept;
+LiveState LiveRun::state_now() {
+  LiveState kept;
   kept.time = simulation_->time();
   kept.step = simulation_->step();
   kept.inputs = recording_->inputs();
@@ -262,7 +262,7 @@ void LiveRun::keep(const std::string& name, bool is_before_action) {
   if (own_) keep(state_now(), name, is_before_action);
 }
 
-void LiveRun::keep(KeptState state, const std::string& name, bool is_before_action) {
+void LiveRun::keep(LiveState state, const std::string& name, bool is_before_action) {
   aimed_.reset();  // states are in the order of the run
   state.name = name;
   state.is_before_action = is_before_action;

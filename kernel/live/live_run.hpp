@@ -10,8 +10,8 @@
 #include <string>
 
 #include "kernel/live/device_hand.hpp"
-#include "kernel/live/kept_states.hpp"
 #include "kernel/live/live_server.hpp"
+#include "kernel/live/live_states.hpp"
 #include "kernel/live/picture.hpp"
 #include "kernel/live/recording.hpp"
 #include "kernel/output/checkpoint_file.hpp"
@@ -105,9 +105,9 @@ class LiveRun {
   void make_divisible(Observer& observer);
   void reset(Observer& observer);
   void go_back(const Json& input, Observer& observer);
-  KeptState state_now();
+  LiveState state_now();
   void keep(const std::string& name, bool is_before_action);
-  void keep(KeptState state, const std::string& name, bool is_before_action);
+  void keep(LiveState state, const std::string& name, bool is_before_action);
   void aim();
   void as_action(const std::string& name, const std::function<void()>& action,
                  bool is_aimed = false);
@@ -138,8 +138,8 @@ class LiveRun {
   Device* device_ = nullptr;
   std::string device_obstacle_;
   std::optional<DeviceHand> device_hand_;
-  KeptStates kept_;
-  std::optional<KeptState> aimed_;  ///< that of aim()
+  LiveStates kept_;
+  std::optional<LiveState> aimed_;  ///< that of aim()
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;

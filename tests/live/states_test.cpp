@@ -6,7 +6,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/forces/contact_law.hpp"
-#include "kernel/live/kept_states.hpp"
+#include "kernel/live/live_states.hpp"
 #include "tests/live/watched.hpp"
 
 namespace suture::test {
@@ -210,15 +210,15 @@ TEST_F(GoesBack, EndsAFailure) {
   expect_same_bits(recording());
 }
 
-KeptState state_of(const std::string& name, std::size_t bytes, bool is_before_action = true) {
-  KeptState kept{name, is_before_action};
+LiveState state_of(const std::string& name, std::size_t bytes, bool is_before_action = true) {
+  LiveState kept{name, is_before_action};
   StateTree::Array& array = kept.state.arrays["bytes"];
   array = {Archive::Scalar::u8, 1, bytes, nullptr};
   return kept;
 }
 
-TEST(KeptStates, AreBoundedAndOrdered) {
-  KeptStates kept;
+TEST(LiveStates, AreBoundedAndOrdered) {
+  LiveStates kept;
   for (int i = 0; i < 200; ++i) kept.keep(state_of(std::to_string(i), 10));
   ASSERT_EQ(kept.list().size(), 100U);
   EXPECT_EQ(kept.list()[0]["name"], "100");

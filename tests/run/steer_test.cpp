@@ -90,7 +90,7 @@ void expect_the_motion_of_a_path(Scene scene) {
   double difference = 0;
   for (std::size_t i = 0; i < one.size(); ++i)
     difference = std::max(difference, std::abs(one[i] - other[i]));
-  EXPECT_LT(difference, 1e-8);
+  EXPECT_LT(difference, 1e-6);  // of forces, N: the steps are solved to 1e-8 of theirs
 }
 
 TEST(Steer, MovesAsAPathWithTheSameStations) {

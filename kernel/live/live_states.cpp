@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "kernel/live/kept_states.hpp"
+#include "kernel/live/live_states.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -13,11 +13,11 @@ constexpr std::size_t max_bytes = std::size_t{1} << 29, max_count = 100;
 
 }  // namespace
 
-void KeptStates::keep(KeptState state) {
+void LiveStates::keep(LiveState state) {
   state.id = ++last_id_;
   states_.push_back(std::move(state));
   std::size_t bytes = 0;
-  for (const KeptState& kept : states_) bytes += kept.state.bytes();
+  for (const LiveState& kept : states_) bytes += kept.state.bytes();
   while (states_.size() > 1 && (bytes > max_bytes || states_.size() > max_count)) {
     bytes -= states_.front().state.bytes();
     spare_ = std::move(states_.front().state);
@@ -25,24 +25,24 @@ void KeptStates::keep(KeptState state) {
   }
 }
 
-KeptState KeptStates::take(std::uint64_t id) {
-  const auto found = std::ranges::find(states_, id, &KeptState::id);
+LiveState LiveStates::take(std::uint64_t id) {
+  const auto found = std::ranges::find(states_, id, &LiveState::id);
   if (found == states_.end())
     throw InputError("there is no kept state " + std::to_string(id) + "; the oldest are dropped");
-  KeptState taken = std::move(*found);
+  LiveState taken = std::move(*found);
   states_.erase(found, states_.end());
   return taken;
 }
 
-KeptState KeptStates::take_last_action() {
+LiveState LiveStates::take_last_action() {
   for (auto kept = states_.rbegin(); kept != states_.rend(); ++kept)
     if (kept->is_before_action) return take(kept->id);
   throw InputError("there is no action to take back");
 }
 
-nlohmann::json KeptStates::list() const {
+nlohmann::json LiveStates::list() const {
   auto list = nlohmann::json::array();
-  for (const KeptState& kept : states_)
+  for (const LiveState& kept : states_)
     list.push_back({{"id", kept.id},
                     {"name", kept.name},
                     {"action", kept.is_before_action},

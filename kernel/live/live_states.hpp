@@ -14,7 +14,7 @@
 namespace suture {
 
 /// A state of a run to which it can go back.
-struct KeptState {
+struct LiveState {
   std::string name;               ///< that of the action which followed, or a given one
   bool is_before_action = false;  ///< taken back by going here
   double time = 0;                ///< s
@@ -28,14 +28,14 @@ struct KeptState {
 
 /// Keeps states in memory, in the order of the run. Beyond half a gigabyte or a hundred states, it
 /// drops the oldest. The memory of one that was dropped is kept for the next.
-class KeptStates {
+class LiveStates {
  public:
-  void keep(KeptState state);
+  void keep(LiveState state);
   /// Takes out the state with this id, and drops all that follow it. Throws InputError if there is
   /// none.
-  KeptState take(std::uint64_t id);
+  LiveState take(std::uint64_t id);
   /// The same for the last one that is before an action.
-  KeptState take_last_action();
+  LiveState take_last_action();
   /// Drops the last one, if it is before an action that was refused.
   void drop_last() {
     spare_ = std::move(states_.back().state);
@@ -50,7 +50,7 @@ class KeptStates {
   nlohmann::json list() const;
 
  private:
-  std::deque<KeptState> states_;
+  std::deque<LiveState> states_;
   StateTree spare_;
   std::uint64_t last_id_ = 0;
 };

@@ -96,6 +96,18 @@ licences() {
   return $bad
 }
 
+# The linker takes two classes of one name for one, where inline functions are not inlined. Of the
+# headers of a program: those that begin a line, behind the first namespace of their file.
+class_names() {
+  local names twice
+  names=$(files '^(kernel|apps/suture)/.*\.hpp$' | xargs -r -d '\n' awk '
+    FNR == 1 { space = "" }
+    /^namespace/ && space == "" { space = $2 == "{" ? FILENAME : $2 }
+    /^(class|struct) [A-Za-z_0-9]+( final)?( :.*| \{.*)$/ { print space "::" $2 " " FILENAME }' /dev/null | sort -u)
+  twice=$(cut -d' ' -f1 <<<"$names" | uniq -d)
+  [ -z "$twice" ] || { grep -F "$twice" <<<"$names"; echo 'classes of one program have names of their own'; return 1; }
+}
+
 # A file that is longer holds two things.
 sizes() {
   local bad=0 file lines limit
@@ -149,7 +161,7 @@ top_level() {
 }
 
 case $check in
-  machine_paths | unfinished | subjects | pipes | include_direction | licences | sizes | weight | links | format | top_level)
+  machine_paths | unfinished | subjects | pipes | include_direction | licences | class_names | sizes | weight | links | format | top_level)
     "$check" && echo "$check: good" ;;
   *) echo "check.sh: no check '$check'"; exit 2 ;;
 esac

@@ -13,7 +13,7 @@ fresh() {
   rm -rf "${tree:?}"/*
   mkdir -p "$tree"/{kernel/mesh,kernel/topology,sdk,plugins,tests,docs}
   printf '// SPDX-License-Identifier: GPL-3.0-or-later\n#include "kernel/mesh/a.hpp"\n' >"$tree/kernel/topology/b.cpp"
-  printf '// SPDX-License-Identifier: GPL-3.0-or-later\n' >"$tree/kernel/mesh/a.hpp"
+  printf '// SPDX-License-Identifier: GPL-3.0-or-later\nnamespace suture {\nclass A {};\n} // namespace suture\n' >"$tree/kernel/mesh/a.hpp"
   printf '/* SPDX-License-Identifier: MIT\n */\n' >"$tree/sdk/a.h"
   printf '[a](../sdk/a.h) [b](https://example.org)\n' >"$tree/docs/a.md"
   touch "$tree/CMakeLists.txt" "$tree/README.md"
@@ -50,6 +50,7 @@ must_report include_direction kernel/run/a.hpp '#include "apps/suture/cli.hpp"'
 must_report include_direction kernel/run/a.cpp '#include <tbb/parallel_for.h>'
 must_report licences kernel/base/c.hpp '#pragma once'
 must_report licences plugins/c.cpp '// SPDX-License-Identifier: GPL-3.0-or-later'
+must_report class_names kernel/topology/c.hpp $'namespace suture {\nstruct A : B {\n};\n}'
 must_report sizes kernel/mesh/a.hpp "$(seq 700)"
 must_report sizes CMakeLists.txt "$(seq 130)"
 must_report weight docs/big.dat "$(seq 200000)"

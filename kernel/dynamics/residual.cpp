@@ -55,11 +55,12 @@ Vec3 Residual::acceleration(Index vertex) const {
   return a;
 }
 
-void StepWork::begin(const Motion& motion) {
+void StepWork::begin(Motion& motion) {
   Attributes& attributes = motion.body().attributes();
   const Index vertices = attributes.vertex_count();
   copy_rows(attributes.position(), vertices, position_);
   copy_rows(attributes.velocity(), vertices, velocity_);
+  motion.evaluate();
   copy_rows(attributes.force(), vertices, force_);
   gravity_ = motion.body().acceleration(motion.time());
 }

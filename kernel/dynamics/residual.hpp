@@ -35,7 +35,9 @@ class Residual {
 /// Made at its start, from the evaluated forces there.
 class StepWork {
  public:
-  void begin(const Motion& motion);
+  /// Keeps the current state for restore() before it evaluates the forces, which may throw the
+  /// errors of terms.
+  void begin(Motion& motion);
   /// The sums of the step that ends in the current state, whose forces are evaluated. `losses`:
   /// what counts as damped: the work of mass damping, or all that the kinetic energy of what is
   /// free lacks. O(vertices).

@@ -34,7 +34,6 @@ class Xpbd final : public Integrator {
   bool is_other_step(double) const override { return false; }
 
   void begin(double dt) override {
-    motion_.evaluate();
     start_.begin(motion_);
     dt_ = dt;
     const double end = motion_.time() + dt;
@@ -72,8 +71,13 @@ class Xpbd final : public Integrator {
     for (std::size_t i = 0; i < before.size(); ++i)
       for (std::size_t c = 0; i % 4 != 3 && c < 3; ++c)
         position.rows()[i] += gradient[i % 4][c] * before[i / 4 * 4 + c];
-    const ForceLoop::Softness unit =
-        body().models().project({motion_.time(), instant, inverse_mass().data(), false});
+    ForceLoop::Softness unit;
+    try {
+      unit = body().models().project({motion_.time(), instant, inverse_mass().data(), false});
+    } catch (...) {
+      std::ranges::copy(before, position.rows());
+      throw;
+    }
     std::ranges::copy(before, position.rows());
     return unit.missing > 0
                ? instant * std::sqrt(softness / (1 - softness) * unit.energy / unit.missing)

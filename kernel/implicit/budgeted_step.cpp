@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iomanip>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
@@ -155,8 +156,8 @@ std::string Newton::budget_text() const {
   if (budgeted_.ended == 0) return "";
   std::ostringstream text;
   text << "the budget ended " << budgeted_.ended << " of " << budgeted_.steps
-       << " linear solves early; the worst left " << 100 * budgeted_.largest_residual
-       << " % of its residual";
+       << " linear solves early; the worst left " << std::setprecision(3)
+       << 100 * budgeted_.largest_residual << " % of its residual";
   return text.str();
 }
 

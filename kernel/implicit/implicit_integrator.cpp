@@ -19,7 +19,6 @@ std::string ImplicitIntegrator::describe_solver(double dt) {
 
 /// The equations of a step from the current state, which is kept for reject().
 void ImplicitIntegrator::set_equations(double dt) {
-  motion_.evaluate();
   work_.begin(motion_);
   const double end = motion_.time() + dt;
   equations_ = {end, dt, 0, 0, work_.position(), work_.velocity()};
@@ -27,11 +26,10 @@ void ImplicitIntegrator::set_equations(double dt) {
 }
 
 void ImplicitIntegrator::begin(double dt) {
-  motion_.evaluate();
-  for_each_with<ConstraintTerm>(motion_.body().terms(),
-                                [&](ConstraintTerm& term) { term.begin_step(motion_.time()); });
   newton_.begin_step();
   set_equations(dt);
+  for_each_with<ConstraintTerm>(motion_.body().terms(),
+                                [&](ConstraintTerm& term) { term.begin_step(motion_.time()); });
   solve(equations_);
 }
 

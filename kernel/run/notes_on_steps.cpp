@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/run/notes_on_steps.hpp"
 
+#include <iomanip>
 #include <sstream>
 
 #include "kernel/base/message_text.hpp"
@@ -30,8 +31,8 @@ std::vector<std::string> notes_on_steps(Dynamics& dynamics) {
   if (newton && !newton->budget_text().empty()) notes.push_back(newton->budget_text());
   if (const double softness = dynamics.softness(); softness > 0) {
     std::ostringstream text;
-    text << "the stiffness depends on the step: steps left out about " << 100 * softness
-         << " % of it";
+    text << "the stiffness depends on the step: steps left out about " << std::setprecision(3)
+         << 100 * softness << " % of it";
     if (softness < estimable)
       text << ", so displacements are too large by about as much; half of dt leaves out a quarter "
               "of that";

@@ -104,7 +104,7 @@ void read_budget(ObjectReader& object, SolverOptions& solver) {
   StepBudget budget;
   budget.iterations = static_cast<unsigned>(reader.natural("iterations", 1, 100000).value_or(0));
   budget.seconds = reader.number("milliseconds", Limits::positive("ms")).value_or(0) / 1000;
-  if (reader.is_object() && !reader.find("iterations") && !reader.find("milliseconds"))
+  if (reader.is_object() && value->members.empty())
     reader.complain("is empty; give \"iterations\", \"milliseconds\" or both");
   reader.finish();
   if (solver.integrator != "implicit-euler")
@@ -127,7 +127,10 @@ void read_step(ObjectReader& object, SolverOptions& solver) {
   }
   solver.safety = object.number("safety", share).value_or(solver.safety);
   if (automatic && is_implicit(solver.integrator) && object.find("safety") != nullptr)
-    object.complain("safety", "is only used by explicit integrators; use 'step_error' instead");
+    object.complain("safety",
+                    "is only used by explicit integrators; use '" +
+                        std::string(solver.integrator == xpbd ? "softness" : "step_error") +
+                        "' instead");
   read_step_error(object, automatic, solver);
 }
 

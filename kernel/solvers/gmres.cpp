@@ -32,7 +32,7 @@ LinearSolve Gmres::solve(const TangentMatrix& a, const Preconditioner& precondit
     if (!std::isfinite(residual)) throw NumericalError("the tangent is not finite");
     result.residual = scale > 0 ? residual / scale : 0;
     if (!(residual > target)) return result;
-    if (limit.ends(result.iterations)) {
+    if (result.iterations > 0 && limit.ends(result.iterations)) {
       result.outcome = LinearSolve::Outcome::too_many;
       return result;
     }

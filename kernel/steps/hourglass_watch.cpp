@@ -14,11 +14,14 @@ constexpr double significant = 0.5;
 
 Index least_elements(Index elements) { return std::clamp<Index>(elements / 10, 8, 64); }
 
-/// The use of a model that acts on the element; the last, if several do.
+/// The use of a model that acts on the element: of several a continuum, else the first.
 const ModelUse& model_of(const Scene& scene, const BuiltScene& built, Index element) {
   std::size_t found = 0;
-  for (std::size_t i = 0; i < scene.models.size(); ++i)
-    if (built.body().attributes().instances()[i]->table(3).cells.contains(element)) found = i;
+  for (std::size_t i = scene.models.size(); i-- > 0;) {
+    if (!built.body().attributes().instances()[i]->table(3).cells.contains(element)) continue;
+    found = i;
+    if ((scene.models[i].model->flags & SUTURE_CONTINUUM) != 0) break;
+  }
   return scene.models[found];
 }
 

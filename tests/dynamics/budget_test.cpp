@@ -80,14 +80,18 @@ TEST(Budget, StepsAreThoseOfNewtonInSmallMotions) {
   EXPECT_NEAR(body.tip() / solved.tip(), 1, 3e-3);
 }
 
-// Even where no iteration has time, one is made.
+// Even where no iteration has time, one is made, also where a pressure has no energy.
 TEST(Budget, MovesInNoTime) {
-  rig::Cantilever body("tm-faure", solid(4e5), with(StepBudget{0, 1e-9}));
-  body.run(frame, 30);
-  EXPECT_LT(body.tip(), -1e-3);
-  EXPECT_NE(body.dynamics.newton()->budget_text().find(" of 30 linear solves early"),
-            std::string::npos)
-      << body.dynamics.newton()->budget_text();
+  for (const bool has_pressure : {false, true}) {
+    rig::Cantilever body("tm-faure", solid(4e5), with(StepBudget{0, 1e-9}));
+    if (has_pressure) body.pressures.add(body.complex(), std::vector<suture::Dart>{12}, 1, {});
+    body.start();
+    body.run(frame, 30);
+    EXPECT_LT(body.tip(), -1e-3);
+    EXPECT_NE(body.dynamics.newton()->budget_text().find(" of 30 linear solves early"),
+              std::string::npos)
+        << body.dynamics.newton()->budget_text();
+  }
 }
 
 TEST(Budget, FollowsWhatIsMoved) {

@@ -105,6 +105,33 @@ TEST(Integrators, TheStateBetweenStepsMayBeLookedAt) {
   }
 }
 
+/// Forces that do not exist while it refuses.
+struct Refusal : suture::ForceTerm {
+  const char* name() const override { return "refusal"; }
+  void add_forces(double, const LiveMask&, double*) override {
+    if (refuses) throw NumericalError("refused");
+  }
+  void add_forces_at(const suture::VertexSelection&, std::span<const Index>, double,
+                     std::vector<Vec3>&) override {}
+  bool refuses = false;
+};
+
+// Not the state at the start of the step before.
+TEST(Integrators, AStepThatFailsAtItsStartLeavesTheState) {
+  for (const char* scheme : {euler, verlet, "xpbd"}) {
+    Oscillator o({.integrator = scheme});
+    auto& refusal = o.body.add(std::make_unique<Refusal>());
+    o.dynamics.start();
+    o.run(1e-3, 3);
+    o.displace(0.01);
+    o.dynamics.start();
+    const std::vector<double> before = o.state();
+    refusal.refuses = true;
+    EXPECT_THROW(o.step(1e-3), NumericalError) << scheme;
+    expect_same_bits(o.state(), before);
+  }
+}
+
 TEST(Dynamics, SameBitsForAnyNumberOfThreads) {
   const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
   std::vector<double> one;

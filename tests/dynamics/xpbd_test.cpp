@@ -102,6 +102,26 @@ TEST(Xpbd, GoesOnAfterACut) {
   EXPECT_GT(-body.tip(), 0.15) << "the end falls";
 }
 
+TEST(Xpbd, LeavesTheStateWhereItFindsNoStep) {
+  rig::Oscillator o({.integrator = xpbd});
+  o.displace(1e200);
+  o.dynamics.start();
+  const std::vector<double> before = o.state();
+  EXPECT_THROW(o.dynamics.step_of_softness(0.05), suture::NumericalError);
+  rig::expect_same_bits(o.state(), before);
+}
+
+// Nodes that vanish have no mass.
+TEST(Xpbd, GoesOnAfterARemoval) {
+  rig::Cantilever body("tm-faure", {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}}, {.integrator = xpbd});
+  body.run(1e-3, 50);
+  const double before = body.tip();
+  body.body.pierce({28, 29, 30, 31});
+  body.run(1e-3, 50);
+  for (const double x : body.Rig::state()) ASSERT_TRUE(std::isfinite(x));
+  EXPECT_LT(body.x(body.vertices([](const Vec3& x) { return x[2] > 0.87; })[0], 1), before);
+}
+
 // Where a position alone does not determine forces and energies, there is nothing to project.
 TEST(Xpbd, RefusesWhatItCannotProject) {
   const auto message = [](const rig::Springs& springs) -> std::string {

@@ -144,7 +144,8 @@ std::optional<std::vector<RecordedInput>> LiveRun::all_inputs() const {
 /// Sends a scene that does what was done so far.
 void LiveRun::send_scene() {
   if (!recording_->is_on())
-    throw InputError("the script has done what neither a recording nor a scene can repeat");
+    throw InputError(
+        "a scene is made from the recording, which the script has ended or not asked for");
   const auto inputs = all_inputs();
   if (!inputs)
     throw InputError(

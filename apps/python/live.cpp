@@ -39,11 +39,9 @@ std::string Session::open_live(unsigned port, const std::string& host,
   if (is_given_mesh_) forgo_recording("the mesh is not in the scene");
   auto server = open_live_server(static_cast<std::uint16_t>(port), host);
   const bool records = recording && not_recorded_.empty();
-  live_ =
-      std::make_unique<LiveRun>(now, scene_, host_, diagnostics_, *server, recording.value_or(""),
-                                records ? done_ : std::vector<RecordedInput>());
+  live_ = std::make_unique<LiveRun>(now, scene_, host_, diagnostics_, *server, recording,
+                                    records ? done_ : std::vector<RecordedInput>());
   live_server_ = std::move(server);
-  if (!recording) live_->stop_recording("it was not asked for");
   if (recording && !records) live_->stop_recording(not_recorded_);
   observer_.live = live_.get();
   return live_server_->address();

@@ -39,6 +39,17 @@ std::unique_ptr<Scene> divisible(const Scene& scene, PluginHost& host, Diagnosti
   return made;
 }
 
+/// That scene, and a run of it.
+std::pair<std::unique_ptr<Scene>, std::unique_ptr<Simulation>> divisible_run(
+    const Scene& given, PluginHost& host, Diagnostics& diagnostics) try {
+  auto scene = divisible(given, host, diagnostics);
+  auto simulation = std::make_unique<Simulation>(*scene, host, diagnostics);
+  return {std::move(scene), std::move(simulation)};
+} catch (const InputError& error) {
+  const std::string why = error.what();
+  throw InputError("this body cannot be cut along a blade: " + why.substr(0, why.find('\n')));
+}
+
 }  // namespace
 
 /// Applies an input of the page. A refused input changes nothing, and the page shows the reason.
@@ -144,7 +155,8 @@ std::optional<std::vector<RecordedInput>> LiveRun::all_inputs() const {
 /// Sends a scene that does what was done so far.
 void LiveRun::send_scene() {
   if (!recording_->is_on())
-    throw InputError("the script has done what neither a recording nor a scene can repeat");
+    throw InputError(
+        "a scene is made from the recording, which the script has ended or not asked for");
   const auto inputs = all_inputs();
   if (!inputs)
     throw InputError(
@@ -168,15 +180,7 @@ void LiveRun::make_divisible(Observer& observer) {
         "one; cut along faces");
   let_go(observer);
   report_warnings();
-  std::unique_ptr<Scene> scene;
-  std::unique_ptr<Simulation> simulation;
-  try {
-    scene = divisible(*scene_, host_, diagnostics_);
-    simulation = std::make_unique<Simulation>(*scene, host_, diagnostics_);
-  } catch (const InputError& error) {
-    const std::string why = error.what();
-    throw InputError("this body cannot be cut along a blade: " + why.substr(0, why.find('\n')));
-  }
+  auto [scene, simulation] = divisible_run(*scene_, host_, diagnostics_);
   observer.on_message("the run is made again, prepared for cuts along blades");
   reported_warnings_ = diagnostics_.warnings().size();  // those of before again
   const bool has_file = recording_->has_inputs(), plays = status_.is_playing;

@@ -59,7 +59,8 @@ LiveRun::LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
 }
 
 LiveRun::LiveRun(Simulation& simulation, const Scene& scene, PluginHost& host,
-                 Diagnostics& diagnostics, LiveServer& server, std::filesystem::path recording,
+                 Diagnostics& diagnostics, LiveServer& server,
+                 std::optional<std::filesystem::path> recording,
                  std::span<const RecordedInput> done)
     : scene_(&scene),
       host_(host),

@@ -33,9 +33,10 @@ class LiveRun {
   LiveRun(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, LiveServer& server,
           std::filesystem::path recording);
   /// The same for a simulation that belongs to a script, which has made `done` before; it must
-  /// outlive this. Pages cannot go back to earlier states.
+  /// outlive this. Pages cannot go back to earlier states. `recording` may be none.
   LiveRun(Simulation& simulation, const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
-          LiveServer& server, std::filesystem::path recording, std::span<const RecordedInput> done);
+          LiveServer& server, std::optional<std::filesystem::path> recording,
+          std::span<const RecordedInput> done);
   ~LiveRun();
 
   /// Goes on from a checkpoint of the same scene, read from `file`, and what mouse or device held

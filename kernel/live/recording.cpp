@@ -38,6 +38,14 @@ RecordedInput input_of(const Lines& line) {
           line.at("value").dump()};
 }
 
+/// Refuses at the start what would fail at the first input.
+void require_writable(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file))
+    throw IoError(file.string() + ": is a folder; name a file for the recording");
+  const Folder folder = Folder::open(file.parent_path());
+  AtomicFile(folder, file.filename().string());  // leaves nothing
+}
+
 void read_header(const Lines& line, Recording& recording) {
   if (line.at("recording") != version)
     throw InputError("it has version " + line.at("recording").dump() + " of the format, not " +
@@ -179,11 +187,12 @@ std::filesystem::path free_name(const std::filesystem::path& folder, const Scene
   return name;
 }
 
-RecordingWriter::RecordingWriter(std::filesystem::path file, const Scene& scene,
+RecordingWriter::RecordingWriter(std::optional<std::filesystem::path> file, const Scene& scene,
                                  Simulation& simulation, const std::filesystem::path& checkpoint)
-    : path_(file.empty() ? free_name("", scene, "recording", ".jsonl") : std::move(file)),
-      first_step_(simulation.step()) {
-  Folder::open(path_.parent_path());  // rather than fail at the first input
+    : path_(file.value_or("").empty() ? free_name("", scene, "recording", ".jsonl") : *file),
+      first_step_(simulation.step()),
+      is_on_(file.has_value()) {
+  if (is_on_) require_writable(path_);
   Lines header{{"recording", version},
                {"program", "suture " SUTURE_VERSION},
                {"isa", std::string(simulation.isa())},

@@ -61,14 +61,14 @@ std::string state_hash(Simulation& simulation);
 std::filesystem::path free_name(const std::filesystem::path& folder, const Scene& scene,
                                 const std::string& what, const std::string& ending);
 
-/// Writes a recording, each input at once. The file is created by the first input, in a folder that
-/// exists. Throws IoError.
+/// Writes a recording, each input at once. The file is created by the first input. Throws IoError,
+/// from the start if it cannot be created.
 class RecordingWriter {
  public:
-  /// `file`: "" for a name made from that of the scene, which no file has yet. `checkpoint`: the
-  /// file whose state `simulation` has; "" if it is as built.
-  RecordingWriter(std::filesystem::path file, const Scene& scene, Simulation& simulation,
-                  const std::filesystem::path& checkpoint = {});
+  /// `file`: "" for a name made from that of the scene, which no file has yet; none: nothing is
+  /// written. `checkpoint`: the file whose state `simulation` has; "" if it is as built.
+  RecordingWriter(std::optional<std::filesystem::path> file, const Scene& scene,
+                  Simulation& simulation, const std::filesystem::path& checkpoint = {});
 
   /// The file; it exists if has_inputs().
   const std::filesystem::path& path() const { return path_; }
@@ -94,7 +94,7 @@ class RecordingWriter {
   std::string header_;
   std::uint64_t first_step_;
   std::unique_ptr<OutputFile> file_;
-  bool is_on_ = true;
+  bool is_on_;
   std::size_t inputs_ = 0;
 };
 

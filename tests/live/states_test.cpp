@@ -232,10 +232,17 @@ TEST(LiveStates, AreBoundedAndOrdered) {
   EXPECT_THROW(kept.take_last_action(), InputError);
 }
 
-TEST_F(GoesBack, NeedsAFolderForItsRecordingFromTheStart) {
+TEST_F(GoesBack, NeedsAPlaceForItsRecordingFromTheStart) {
   stop();
   Simulation simulation(scene_, host(), diagnostics_);
-  EXPECT_THROW(RecordingWriter(folder_ / "none" / "r.jsonl", scene_, simulation), IoError);
+  const TemporaryFolder files;
+  const std::filesystem::path folder = files.path();
+  for (const std::filesystem::path& file :
+       {folder / "none" / "r.jsonl", folder, std::filesystem::path("/proc/r.jsonl")})
+    EXPECT_THROW(RecordingWriter(file, scene_, simulation), IoError) << file;
+  EXPECT_FALSE(RecordingWriter(std::nullopt, scene_, simulation).is_on());
+  RecordingWriter{folder / "r.jsonl", scene_, simulation};
+  EXPECT_TRUE(std::filesystem::is_empty(folder));
 }
 
 TEST(Recordings, GoBackToWhatTheyHave) {

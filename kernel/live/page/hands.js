@@ -10,7 +10,7 @@ const spacing = 8;  // of the places of a way, pixels
 
 // `tool()`: the chosen one. `hands`: cut(way) with the places of a drag of the knife on the canvas; grab(point),
 // take(tool, point), drag(point) and let_go() of the hand; pierce(point), and suture(a, b) with places
-// at rest. aim() when a drag or a click of the latter begins. The function that it returns ends a drag without effect.
+// at rest; aim() when the mouse goes down for knife, needle or suture. Returns a function that ends a drag without effect.
 export function follow_mouse(picture, tool, hands) {
   const canvas = picture.canvas;
   let drag = null;  // {button, tool, way, last, point}

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Error against run time where the shape matters: a round rod in torsion, a thick sphere under
-pressure and a bar after an oblique cut, as parts of cubes, as whole cubes, and on meshes that follow the surface in
-CalculiX (needs `gmsh` and `ccx`). Prints a table in Markdown.
+pressure and a bar after an oblique cut, as parts of cubes, as whole cubes, and on meshes that follow the
+surface in CalculiX (needs `gmsh` and `ccx`). Prints a table in Markdown.
 
     shape_precision.py path/to/suture
 """
@@ -23,6 +23,9 @@ ROUNDS = 3
 
 # The rod: radius and length, m, about x; what lies between the ends that are held is twisted.
 RADIUS, LENGTH, GRIP, ANGLE = 0.1, 0.6, 0.1, 0.1  # m, m, m, degrees
+# Rods whose axis is turned against the grid.
+TURNED_AXES = ((2 / 3, 1 / 3, 2 / 3), (1 / 3, 2 / 3, -2 / 3), (-2 / 3, 2 / 3, 1 / 3))
+TURNED_LENGTHS, TURNED_ANGLE = (0.6, 1.2), 0.01  # m, degrees
 # The sphere: radii and pressure inside.
 INNER, OUTER, PRESSURE = 0.5, 1.0, 1e-3  # m, m, Pa
 # The bar of 1 m: its other sides, the tilt of the cut, and its weight, m/s^2.
@@ -47,10 +50,12 @@ def write_obj(file, points, triangles):
             out.write("f %d %d %d\n" % tuple(corner + 1 for corner in triangle))
 
 
-def rod_surface(file, around=192):
+def rod_surface(file, length=LENGTH, axes=((1, 0, 0), (0, 1, 0), (0, 0, 1)), around=192):
+    """`axes`: along the rod, and two across it."""
     ring = [(RADIUS * math.cos(a), RADIUS * math.sin(a))
             for a in (2 * math.pi * j / around for j in range(around))]
-    points = [(x, y, z) for x in (0.0, LENGTH) for y, z in ring] + [(0.0, 0.0, 0.0), (LENGTH, 0.0, 0.0)]
+    local = [(x, y, z) for x in (0.0, length) for y, z in ring] + [(0.0, 0.0, 0.0), (length, 0.0, 0.0)]
+    points = [tuple(sum(u * axis[c] for u, axis in zip(at, axes)) for c in range(3)) for at in local]
     triangles = []
     for j in range(around):
         a, b = j, (j + 1) % around
@@ -137,6 +142,27 @@ def rod_in_suture(suture, folder, edge, is_whole):
     return cpu, moment / torsion(low, high) - 1
 
 
+def turned_rods_in_suture(suture, folder, edge, axis, exact):
+    """CPU seconds of two rods, and the error of the compliance per length. The second rod is longer by whole
+    cells in each direction, so that what the ends do is the same in both. `axis`: of the turn of an end."""
+    cpu, compliances = 0.0, []
+    along = TURNED_AXES[0]
+    for length in TURNED_LENGTHS:
+        rod_surface(folder / "turned.obj", length, TURNED_AXES, 768)
+        left, right = ({"sphere": {"centre": [s * a for a in along], "radius": 2 * RADIUS}}
+                       for s in (-RADIUS, length + RADIUS))
+        turn = {"rotation": {"axis": axis, "angle": TURNED_ANGLE, "centre": [length / 2 * a for a in along]}}
+        cpu += run_scene(suture, folder, {
+            "mesh": {"surface": "turned.obj", "edge": edge},
+            "constraints": [{"fix": "xyz", "where": left}, {"move": turn, "ramp": 1, "where": right}],
+            "solver": {"static": {"tolerance": 1e-6}, "threads": 1},
+            "output": {"frames": False, "energies": {}}})
+        energy = float(last_row(folder / "out/energies.csv")["elastic [J]"])
+        compliances.append(math.radians(TURNED_ANGLE) ** 2 / (2 * energy))
+    way = TURNED_LENGTHS[1] - TURNED_LENGTHS[0]
+    return cpu, (compliances[1] - compliances[0]) / way / exact - 1
+
+
 def sphere_energy():
     """Lame's solution."""
     moved = PRESSURE * INNER**3 / (E * (OUTER**3 - INNER**3)) * (
@@ -159,7 +185,6 @@ def sphere_in_suture(suture, folder, edge, is_whole):
         "solver": {"static": {"tolerance": 1e-5}, "threads": 1},
         "output": {"frames": False, "energies": {}}})
     return cpu, float(last_row(folder / "out/energies.csv")["elastic [J]"]) / sphere_energy() - 1
-
 
 
 GAUGE = LENGTH - 2 * GRIP
@@ -288,6 +313,11 @@ def main():
         rows += [("CalculiX with gmsh", element, h, rod_in_calculix(folder, h, element))
                  for element in TYPES for h in (RADIUS, RADIUS / 2, RADIUS / 4)]
         print_table("Round rod in torsion, moment", rows)
+        bending, torsion = (4 * factor / (E * math.pi * RADIUS**4) for factor in (1, 1 + NU))
+        rows = [("Suture", f"parts of cubes, {case}", h, turned_rods_in_suture(suture, folder, h, axis, exact))
+                for case, axis, exact in (("bending", TURNED_AXES[1], bending),
+                                          ("torsion", TURNED_AXES[0], torsion)) for h in edges[1:]]
+        print_table("Round rods turned against the grid, compliance", rows)
         rows = [("Suture", method, OUTER / n, sphere_in_suture(suture, folder, OUTER / n, is_whole))
                 for method, is_whole in (("parts of cubes", False), ("whole cubes", True)) for n in (8, 16, 32)]
         print_table("Thick sphere under pressure, energy", rows)

@@ -364,8 +364,8 @@ void CuttingEdges::state(Archive& archive) {
   archive("directions", directions_);
   archive("withdrawn", withdrawn_);
   archive("begun", has_begun_);
-  for (std::size_t i = 0; i < edges_.size(); ++i) {
-    if (!edges_[i].has_material) continue;
+  const bool has_copies = attributes_.parts().may_grow();
+  for (std::size_t i = 0; i < edges_.size() && has_copies; ++i) {
     archive(("toughness " + std::to_string(i)).c_str(), edges_[i].toughness);
     archive(("divided " + std::to_string(i)).c_str(), is_divided_[i]);
   }

@@ -117,7 +117,7 @@ bool SweptSheet::advance(const std::vector<Vec3>& points, double time, bool is_l
   const Row traced = at_rest(now);
   const double least = is_last ? 0 : between_rows * size_;
   if (!rows_.empty() && way(rows_.back().points, traced.points) <= least)
-    return is_last && new_rows_ > 0;
+    return rows_.size() > 1 && is_last && new_rows_ > 0;
   if (turns_back(traced)) {  // another stroke, once the body is cut along this one
     if (new_rows_ > 0) return true;
     rows_.erase(rows_.begin(), rows_.end() - 1);

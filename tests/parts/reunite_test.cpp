@@ -114,6 +114,26 @@ TEST(Reunite, LeavesASlitElsewhere) {
   }
 }
 
+// What is not wanted stays apart.
+TEST(Reunite, LeavesPartsThatAreNotWanted) {
+  const unsigned runs = std::getenv("SUTURE_FULL") ? 1000 : 40;
+  for (unsigned seed = 1; seed <= runs && !HasFatalFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    SewnBox box({4, 4, 4});
+    for (unsigned i = 0; i < 2 + seed % 3; ++i) box.cut_by(plane_through(random));
+    std::vector<std::uint8_t> is_wanted;
+    for (Index e = 0; e < box.complex.element_count(); ++e)
+      is_wanted.push_back(random() % 4 != 0 ? 1 : 0);
+    box.sew(is_wanted);
+    ASSERT_NO_THROW(box.complex.validate());
+    ASSERT_NO_THROW(box.islands.validate(box.complex));
+    ASSERT_NEAR(box.volume(), 64, 64e-12);
+    const Embedding& embedding = box.parts.embedding(box.complex);
+    EXPECT_NEAR(surface_volume(box, embedding), 64, 64e-12);
+  }
+}
+
 /// A bar, held at one end and pulled on its side, which an oblique plane cuts right through.
 Scene pulled_bar() {
   Scene scene = block(tree_plugins(), "tm-faure", {8, 3, 3}, {8, 3, 3},

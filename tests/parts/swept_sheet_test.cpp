@@ -70,6 +70,13 @@ class MovingAlong : public testing::Test {
   double volume = 0, lips = 0;
 };
 
+// A blade that enters the tissue and stands there at once divides nothing.
+TEST_F(MovingAlong, CutsNothingWithoutAWay) {
+  build({at(0, 3, 2), at(0.1, 3, 2)});
+  move(0, 0.2);
+  EXPECT_EQ(divided, 0u);
+}
+
 // From left to right along an oblique plane: the same lips as those of the plane.
 TEST_F(MovingAlong, CutsAPlaneAsThePlaneDoes) {
   build({at(0, -1, 1.3), at(1, 13.5, 2.7)});

@@ -10,6 +10,7 @@
 #include "kernel/output/output_folder.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/plugin_host/plugin_faults.hpp"
+#include "kernel/plugin_host/plugin_watch.hpp"
 
 namespace suture {
 namespace {
@@ -37,11 +38,11 @@ void on_signal(int number) {
     return;
   }
   put("suture: stopped; nothing was written\n");
-  if (present_call() != nullptr) {
-    char call[2048];
-    describe(*present_call(), call, sizeof call);
+  if (const PluginCall* call = call_in_progress()) {
+    char text[2048];
+    describe(*call, text, sizeof text);
     put("suture: this call was under way: ");
-    put(call);
+    put(text);
     put("\n");
   }
   abandon_folder();

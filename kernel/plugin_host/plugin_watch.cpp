@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdio>
 #include <cstring>
@@ -62,6 +63,16 @@ struct Watch {
 Watch& the_watch() {
   static auto& watch = *new Watch;
   return watch;
+}
+
+/// The same threads for signal handlers, which take no lock. Calls of more are not named.
+constinit std::array<std::atomic<const PluginThread*>, 64> watched{};
+
+void replace_watched(const PluginThread* one, const PluginThread* other) {
+  for (auto& place : watched) {
+    const PluginThread* expected = one;
+    if (place.compare_exchange_strong(expected, other)) return;
+  }
 }
 
 /// Whether the thread sleeps, and is not merely kept from running by others or by a debugger.
@@ -164,6 +175,7 @@ WatchedThread::WatchedThread() : record_(new Record) {
   Watch& watch = the_watch();
   const std::lock_guard lock(watch.mutex);
   watch.threads.push_back(record_);
+  replace_watched(nullptr, record_->plugin);
   if (!std::exchange(watch.is_running, true)) start_watch();
 }
 
@@ -172,10 +184,19 @@ WatchedThread::~WatchedThread() {
     Watch& watch = the_watch();
     const std::lock_guard lock(watch.mutex);
     std::erase(watch.threads, record_);
+    replace_watched(record_->plugin, nullptr);
   }
   delete record_;
 }
 
 void interrupt_plugin_calls() { interrupted = true; }
+
+const PluginCall* call_in_progress() {
+  if (present_call() != nullptr) return present_call();
+  for (const auto& place : watched)
+    if (const PluginThread* thread = place; thread != nullptr)
+      if (const PluginCall* call = thread->present) return call;
+  return nullptr;
+}
 
 }  // namespace suture

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "kernel/plugin_host/plugin_call.hpp"
+
 namespace suture {
 
 /// The watch on calls of plugins that do not return. A thread looks at all others that call
@@ -13,6 +15,10 @@ namespace suture {
 /// does not count. A thread of its own is needed because signals would interrupt calls that sleep,
 /// and because a plugin can block signals.
 void limit_plugin_calls(double seconds);  ///< 0: no limit, but interruptions take effect
+
+/// The call in progress on this thread, or else on another one that is watched; null if there is
+/// none. For signal handlers that end the program: the other call may return meanwhile.
+const PluginCall* call_in_progress();
 
 /// The calling thread is watched as long as the object lives. The first one starts the watch.
 class WatchedThread {

@@ -10,6 +10,7 @@
 #include "kernel/operations/seam_batch.hpp"
 #include "kernel/parts/lip_triangle.hpp"
 #include "kernel/parts/moments.hpp"
+#include "kernel/parts/part_writer.hpp"
 
 // How parts become one element
 // ============================
@@ -37,9 +38,6 @@ struct HashOfPoints {
   }
 };
 
-Index element_at(Dart dart) { return dart / 24; }
-unsigned cube_side_at(Dart dart) { return side_with_face(dart % 24 / 4); }
-
 /// Sides whose material overlaps, and by how much.
 struct SideContact {
   Seam seam;  ///< in the old numbers
@@ -56,9 +54,8 @@ class Uniter {
         faces_(parts),
         points_(points),
         groups_(groups),
-        copy_of_(complex.element_count(), none) {
-    result_.parts.first.push_back(0);
-  }
+        copy_of_(complex.element_count(), none),
+        writer_(result_.parts) {}
 
   Reunion find() {
     number_copies();
@@ -72,7 +69,7 @@ class Uniter {
  private:
   bool is_member(Index element) const { return copy_of_[element] != none; }
   Index after(Index element) const { return is_member(element) ? copy_of_[element] : element; }
-  Dart after_dart(Dart dart) const { return 24 * after(element_at(dart)) + dart % 24; }
+  Dart after_dart(Dart dart) const { return corresponding_dart(after(element_of(dart)), dart); }
 
   /// The largest of a group is the origin of its copy.
   void number_copies() {
@@ -124,14 +121,14 @@ class Uniter {
   void find_contacts() {
     for (const auto& [points, sides] : sides_)
       for (const Dart one : sides) {
-        if (!is_member(element_at(one))) continue;
+        if (!is_member(element_of(one))) continue;
         for (const Dart other : sides) {
-          const Index there = element_at(other);
-          if (after(there) == after(element_at(one))) continue;
-          if (is_member(there) && there < element_at(one)) continue;
+          const Index there = element_of(other);
+          if (after(there) == after(element_of(one))) continue;
+          if (is_member(there) && there < element_of(one)) continue;
           // What stays joined to another element that stays is not free.
           const Dart mate = complex_.beta3(other);
-          if (!is_member(there) && mate != none && !is_member(element_at(mate))) continue;
+          if (!is_member(there) && mate != none && !is_member(element_of(mate))) continue;
           if (const auto seam = seam_of(one, other)) add_contact(*seam);
         }
       }
@@ -143,7 +140,7 @@ class Uniter {
   /// Corner by corner the same points.
   std::optional<Seam> seam_of(Dart one, Dart other) const {
     for (Dart turn = 0; turn < 4; ++turn) {
-      const Seam seam{one, (other & ~3u) | turn};
+      const Seam seam{one, face_of(other) | turn};
       bool is_same = true;
       for (Dart k = 0; k < 4; ++k)
         is_same = is_same && points_[corner_vertex(complex_, seam, k)] ==
@@ -157,7 +154,7 @@ class Uniter {
   }
 
   void join() {
-    const auto side_after = [&](Dart dart) { return after_dart(dart) & ~3u; };
+    const auto side_after = [&](Dart dart) { return face_of(after_dart(dart)); };
     for (const auto& [seam, area] : contacts_) {
       const Dart one = side_after(seam.one), other = side_after(seam.other);
       if (joints_.contains(one) || joints_.contains(other)) continue;
@@ -166,15 +163,16 @@ class Uniter {
       const Seam joint{after_dart(seam.one), after_dart(seam.other)};
       const bool was_joined = complex_.beta3(origin_of(joint.one)) == origin_of(joint.other);
       (was_joined ? result_.cloning.seams : result_.seams).push_back(joint);
-      if (!is_member(element_at(seam.other))) result_.joined.push_back(seam.other);
+      if (!is_member(element_of(seam.other))) result_.joined.push_back(seam.other);
     }
   }
   /// The dart of the origin of a copy, or the dart itself.
   Dart origin_of(Dart dart) const {
-    const Index element = element_at(dart);
+    const Index element = element_of(dart);
     return element < complex_.element_count()
                ? dart
-               : 24 * result_.cloning.origins[element - complex_.element_count()] + dart % 24;
+               : corresponding_dart(result_.cloning.origins[element - complex_.element_count()],
+                                    dart);
   }
 
   // ------------------------------------------------------------------------ surface --
@@ -186,22 +184,14 @@ class Uniter {
     for (std::size_t i = 0; i < group.size(); ++i) materials_.of(group[i], materials[i]);
     MomentSum sum;
     for (const Material& material : materials) {
-      const Index first = add_points(copy, material.points);
-      for (const auto& [a, b, c, d] : material.tetrahedra) {
-        result_.parts.tetrahedra.push_back({first + a, first + b, first + c, first + d});
-        const auto& x = material.points;
-        sum.add({x[a], x[b], x[c], x[d]});
-      }
-      for (std::size_t t = 0; t < material.triangles.size(); ++t) {
-        const auto& [a, b, c] = material.triangles[t];
-        if (material.is_cut[t] != 0 && has_lip_before(material, t, materials)) continue;
-        result_.parts.triangles.push_back({first + a, first + b, first + c});
-        result_.parts.is_cut.push_back(material.is_cut[t]);
-      }
+      const Index first = writer_.add_volume(copy, material);
+      const auto& x = material.points;
+      for (const auto& [a, b, c, d] : material.tetrahedra) sum.add({x[a], x[b], x[c], x[d]});
+      for (std::size_t t = 0; t < material.triangles.size(); ++t)
+        if (material.is_cut[t] == 0 || !has_lip_before(material, t, materials))
+          writer_.add_triangle(first, material.triangles[t], material.is_cut[t] != 0);
     }
-    result_.parts.elements.push_back(copy);
-    result_.parts.moments.push_back(sum.moments());
-    result_.parts.first.push_back(static_cast<Index>(result_.parts.tetrahedra.size()));
+    writer_.end_copy(copy, sum.moments());
     for (const Dart side : sides_of(copy)) show_uncovered(group, side);
   }
 
@@ -221,12 +211,6 @@ class Uniter {
     return false;
   }
 
-  Index add_points(Index element, std::span<const Vec3> places) {
-    const auto first = static_cast<Index>(result_.parts.points.size());
-    for (const Vec3& at : places) result_.parts.points.push_back({element, at});
-    return first;
-  }
-
   /// The elements of which one consists.
   std::span<const Index> members(const Index& element) const {
     if (element < complex_.element_count()) return {&element, 1};
@@ -237,9 +221,9 @@ class Uniter {
   void show_uncovered(std::span<const Index> group, Dart side) {
     const auto joint = joints_.find(side);
     if (joint == joints_.end()) return;
-    const Index other = element_at(joint->second);
-    const unsigned here = cube_side_at(side), there = cube_side_at(joint->second);
-    show(element_at(side), group, here, members(other), there);
+    const Index other = element_of(joint->second);
+    const unsigned here = cube_side_of(side), there = cube_side_of(joint->second);
+    show(element_of(side), group, here, members(other), there);
     if (other < complex_.element_count() && materials_.is_part(other))
       show(other, {&other, 1}, there, group, here);
   }
@@ -251,9 +235,7 @@ class Uniter {
           return is_covered(triangle, faces_.triangles_of(b)[other_side]);
         };
         if (std::ranges::any_of(behind, covers)) continue;
-        const Index first = add_points(element, triangle.places(cube_sides[side]));
-        result_.parts.triangles.push_back({first, first + 1, first + 2});
-        result_.parts.is_cut.push_back(1);
+        writer_.add_open_triangle(element, triangle.places(cube_sides[side]));
       }
   }
 
@@ -269,6 +251,7 @@ class Uniter {
   std::vector<SideContact> contacts_;
   std::unordered_map<Dart, Dart> joints_;  ///< first darts of sides, both ways
   Reunion result_;
+  PartWriter writer_;  ///< of the result
 };
 
 }  // namespace
@@ -282,8 +265,8 @@ const SideTriangles& FaceContacts::triangles_of(Index element) const {
 }
 
 double FaceContacts::area(const Seam& seam) const {
-  const auto mine = triangles_of(element_at(seam.one))[cube_side_at(seam.one)],
-             theirs = triangles_of(element_at(seam.other))[cube_side_at(seam.other)];
+  const auto mine = triangles_of(element_of(seam.one))[cube_side_of(seam.one)],
+             theirs = triangles_of(element_of(seam.other))[cube_side_of(seam.other)];
   return covered(mine, theirs).area + covered(theirs, mine).area;
 }
 

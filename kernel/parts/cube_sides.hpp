@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "kernel/mesh/parts.hpp"
+#include "kernel/topology/dart.hpp"
 #include "kernel/topology/hexahedron_tables.hpp"
 
 namespace suture {
@@ -38,6 +39,9 @@ inline unsigned side_with_face(unsigned face) {
   while (static_cast<unsigned>(cube_sides[s].face()) != face) ++s;
   return s;
 }
+
+/// That of the side on which a dart lies.
+inline unsigned cube_side_of(Dart dart) { return side_with_face(local_face(dart)); }
 
 inline Vec3 corner_place(std::size_t corner) {
   return {(corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,

@@ -63,7 +63,7 @@ SurfaceTriangle surface_triangle(const Embedding& embedding, Index t, const Cell
 std::vector<SurfaceTriangle> triangles_of_faces(std::span<const Dart> faces) {
   std::vector<SurfaceTriangle> triangles;
   for (const Dart face : faces) {
-    const auto [a, b, c, d] = corners_of(cube_sides[side_with_face(local_face(face))]);
+    const auto [a, b, c, d] = corners_of(cube_sides[cube_side_of(face)]);
     const Vec3 first = corner_place(a), middle = corner_place(c);
     triangles.push_back({element_of(face), {first, corner_place(b), middle}});
     triangles.push_back({element_of(face), {first, middle, corner_place(d)}});

@@ -20,6 +20,11 @@ constexpr Index element_of(Dart d) { return d / hexahedron::darts; }
 /// The number of a dart inside its element, an index of the tables in hexahedron_tables.hpp.
 constexpr Dart local(Dart d) { return d % hexahedron::darts; }
 
+/// The dart that lies in element e as `dart` does in its own.
+constexpr Dart corresponding_dart(Index e, Dart dart) {
+  return hexahedron::darts * e + local(dart);
+}
+
 /// The side of its element on which a dart lies, an index of dart[6][4].
 constexpr Dart local_face(Dart d) { return local(d) / hexahedron::darts_per_face; }
 

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernel/operations/blade.hpp"
+#include "kernel/parts/part_materials.hpp"
+#include "kernel/parts/side_triangles.hpp"
+
+namespace suture {
+
+/// A connected part of a divided element, or all of one that is left whole.
+struct BladePiece {
+  Index element;
+  int side;  ///< of the blade, 1 above it; 0: both
+  DividedPart part;
+  std::optional<SideTriangles> own_triangles;  ///< none: of a full element
+
+  const SideTriangles& triangles() const {
+    return own_triangles ? *own_triangles : SideTriangles::of_full_element();
+  }
+};
+
+/// Into what a blade divides the elements of a body (cut_along.hpp). Pieces have numbers; those of
+/// an element follow each other.
+class BladePieces {
+ public:
+  struct Range {
+    Index first, last;
+  };
+
+  /// Finds the sides of the elements, and divides those that the blade crosses. All must outlive
+  /// this. Throws as cut_along().
+  BladePieces(const CellComplex& complex, const Parts& parts, const double* rows,
+              const Blade& blade, const std::string& path, std::size_t stride);
+
+  const std::vector<Index>& divided() const { return divided_; }  ///< elements, ascending
+  bool is_divided(Index element) const {
+    return pieces_of_[element].last - pieces_of_[element].first > 1;
+  }
+  /// Where an element that is not divided is: 1 above the blade, -1 below, 0 far from it.
+  int side(Index element) const { return side_[element]; }
+  /// The pieces of an element; one that is left whole becomes one when it is asked for.
+  Range of(Index element);
+  std::size_t size() const { return pieces_.size(); }
+  const BladePiece& operator[](std::size_t piece) const { return pieces_[piece]; }
+  const std::vector<BladePiece>& all() const { return pieces_; }
+  /// Whether the blade holds the middle of a face.
+  bool holds_face(Index element, int face) const;
+  /// Above the blade, by vertex, m; NaN: far from it. No longer here afterwards.
+  std::vector<double> take_heights() { return std::move(heights_); }
+
+ private:
+  void find_sides();
+  void divide(Index element);
+  bool is_held(const Hexahedron& nodes, const std::vector<DividedPart>& found) const;
+  double height_at(const Hexahedron& nodes, const Vec3& at) const;
+  Vec3 row(Index vertex) const {
+    const double* x = rows_ + stride_ * vertex;
+    return {x[0], x[1], x[2]};
+  }
+
+  const CellComplex& complex_;
+  PartMaterials materials_;
+  const double* rows_;
+  const Blade& blade_;
+  const std::string& path_;
+  std::size_t stride_;
+  std::vector<double> heights_;
+  double tolerance_ = 0;  ///< m
+  std::vector<std::int8_t> side_;
+  std::vector<Index> crossed_, divided_;
+  Divider divider_;
+  std::vector<double> point_heights_;  ///< of the element that is divided, by point
+  std::vector<Range> pieces_of_;       ///< by element
+  std::vector<BladePiece> pieces_;
+};
+
+}  // namespace suture

@@ -46,6 +46,11 @@ SUTURE_INLINE void positions(const Cell& c, suture::vec3<typename Cell::scalar> 
   for (int n = 0; n < 8; ++n) x[n] = c.position(n);
 }
 
+template <class Cell>
+SUTURE_INLINE void rest_positions(const Cell& c, suture::vec3<typename Cell::real> (&X)[8]) {
+  for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+}
+
 // ------------------------------------------------------------------- volume --
 
 struct RestVolume {
@@ -53,7 +58,7 @@ struct RestVolume {
   template <class Cell, class Out>
   static void compute(const Cell& c, const Out& out) {
     suture::vec3<typename Cell::real> X[8];
-    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    rest_positions(c, X);
     out.set(0, 0, volume(X));
   }
 };
@@ -121,7 +126,7 @@ struct RestTwist {
   template <class Cell, class Out>
   static void compute(const Cell& c, const Out& out) {
     suture::vec3<typename Cell::real> X[8], q;
-    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    rest_positions(c, X);
     for (int a = 0; a < 3; ++a) out.set(0, a, twist(X, a, q));
   }
 };
@@ -133,7 +138,7 @@ struct TwistStiffness {
   template <class Cell, class Out>
   static void compute(const Cell& c, const Out& out) {
     suture::vec3<typename Cell::real> X[8];
-    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    rest_positions(c, X);
     const auto edges = mean_edges(X);
     const auto square = [&](int a) { return dot(edges.column[a % 3], edges.column[a % 3]); };
     const auto V = volume(X);

@@ -73,6 +73,12 @@ struct CutBox {
   }
 };
 
+/// Map and islands.
+inline void expect_valid(const CutBox& box) {
+  ASSERT_NO_THROW(box.complex.validate());
+  ASSERT_NO_THROW(box.islands.validate(box.complex));
+}
+
 /// Every side of a triangle is that of another one, run in the other direction.
 inline void expect_closed(const Embedding& embedding) {
   std::map<std::pair<Index, Index>, int> sides;

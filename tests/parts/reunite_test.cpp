@@ -75,8 +75,7 @@ TEST(Reunite, MakesABoxWholeAgain) {
     for (unsigned i = 0; i < 1 + seed % 4; ++i) box.cut_by(plane_through(random));
     box.sew(std::vector<std::uint8_t>(box.complex.element_count(), 1));
     box.sew_all(seams_of_cuts(box.complex, box.point, {}).seams);
-    ASSERT_NO_THROW(box.complex.validate());
-    ASSERT_NO_THROW(box.islands.validate(box.complex));
+    ASSERT_NO_FATAL_FAILURE(expect_valid(box));
     EXPECT_EQ(box.islands.existing(), 1u);
     EXPECT_EQ(box.complex.existing(3), 64u);
     EXPECT_EQ(box.complex.existing(0), 125u);
@@ -102,8 +101,7 @@ TEST(Reunite, LeavesASlitElsewhere) {
     for (Index e = 0; e < box.complex.element_count(); ++e)
       is_wanted.push_back(box.origin[e] % 8 < 4 ? 1 : 0);
     box.sew(is_wanted);
-    ASSERT_NO_THROW(box.complex.validate());
-    ASSERT_NO_THROW(box.islands.validate(box.complex));
+    ASSERT_NO_FATAL_FAILURE(expect_valid(box));
     ASSERT_NEAR(box.volume(), 128, 128e-12);
     const Embedding& embedding = box.parts.embedding(box.complex);
     ASSERT_NO_FATAL_FAILURE(expect_closed(embedding));
@@ -126,8 +124,7 @@ TEST(Reunite, LeavesPartsThatAreNotWanted) {
     for (Index e = 0; e < box.complex.element_count(); ++e)
       is_wanted.push_back(random() % 4 != 0 ? 1 : 0);
     box.sew(is_wanted);
-    ASSERT_NO_THROW(box.complex.validate());
-    ASSERT_NO_THROW(box.islands.validate(box.complex));
+    ASSERT_NO_FATAL_FAILURE(expect_valid(box));
     ASSERT_NEAR(box.volume(), 64, 64e-12);
     const Embedding& embedding = box.parts.embedding(box.complex);
     EXPECT_NEAR(surface_volume(box, embedding), 64, 64e-12);

@@ -40,8 +40,7 @@ TriangleSurface tube(double x, double y, double radius, double length, Index sid
 }
 
 void expect_sound(CutBox& box, double volume) {
-  ASSERT_NO_THROW(box.complex.validate());
-  ASSERT_NO_THROW(box.islands.validate(box.complex));
+  ASSERT_NO_FATAL_FAILURE(expect_valid(box));
   ASSERT_NEAR(box.volume(), volume, volume * 1e-12);
 }
 

@@ -71,6 +71,18 @@ class CuttingForce : public testing::Test {
     energies = simulation->built().dynamics().balance();
     EXPECT_LT(std::abs(energies.balance), 0.01 * energies.exchanged);
   }
+  /// To 0.4 m, back, and through.
+  void run_there_and_back(double back) {
+    const double last = 0.5 + back + (1.2 - 0.5 + back);
+    motion().stations = {{0, {}, 0},
+                         {0.5, {0.5, 0, 0}, 0},
+                         {0.5 + back, {0.5 - back, 0, 0}, 0},
+                         {last, {1.2, 0, 0}, 0}};
+    scene.solver.end = last;
+    forces.clear();
+    work = 0;
+    run();
+  }
   double taken() const { return -energies.work("cutting"); }
 
   Scene scene = beam(host(), "tm-faure", 1, 1, 0, {{"E", 1e5}});
@@ -119,15 +131,7 @@ TEST_F(CuttingForce, TakesTheToughnessOfEachRegion) {
 // To 0.4 m, back by 0.2 m or out, and through: what is open takes nothing again.
 TEST_F(CuttingForce, IsPaidOnceForEachPlace) {
   for (const double back : {0.2, 0.6}) {
-    const double last = 0.5 + back + (1.2 - 0.5 + back);
-    motion().stations = {{0, {}, 0},
-                         {0.5, {0.5, 0, 0}, 0},
-                         {0.5 + back, {0.5 - back, 0, 0}, 0},
-                         {last, {1.2, 0, 0}, 0}};
-    scene.solver.end = last;
-    forces.clear();
-    work = 0;
-    run();
+    run_there_and_back(back);
     EXPECT_EQ(cut, 16u * 4);
     EXPECT_NEAR(taken(), toughness * 0.16, 0.02 * toughness * 0.16) << back;
     EXPECT_NEAR(work, energies.work("contact"), 2e-3 * work) << "nothing pulls it into the slit";
@@ -205,15 +209,7 @@ TEST_F(CuttingForceAlongTheBlade, TakesToughnessTimesArea) {
 // To 0.4 m, back by 0.2 m or out, and through.
 TEST_F(CuttingForceAlongTheBlade, IsPaidOnceForEachPlace) {
   for (const double back : {0.2, 0.6}) {
-    const double last = 0.5 + back + (1.2 - 0.5 + back);
-    motion().stations = {{0, {}, 0},
-                         {0.5, {0.5, 0, 0}, 0},
-                         {0.5 + back, {0.5 - back, 0, 0}, 0},
-                         {last, {1.2, 0, 0}, 0}};
-    scene.solver.end = last;
-    forces.clear();
-    work = 0;
-    run();
+    run_there_and_back(back);
     EXPECT_NEAR(taken(), toughness * 0.8 * width, 0.02 * toughness * 0.8 * width) << back;
     EXPECT_NEAR(work, energies.work("contact"), 2e-3 * work) << "nothing pulls it into the slit";
   }

@@ -146,15 +146,16 @@ INSTANTIATE_TEST_SUITE_P(Models, Search,
                          [](const auto& one) { return std::string(one.param.name); });
 
 // 1.5 % too short at most, 3 % where C limits it. Of 2,400 searches one came out 2.0 % too long; of
-// many more, one 3.5 %.
+// many more with C, one 3.53 %.
 TEST_P(Search, FromRandomIsThatOfADenseSolver) {
-  const double band = GetParam().viscosity > 0 ? 0.035 : 0.0175;
+  const bool is_damped = GetParam().viscosity > 0;
+  const double band = is_damped ? 0.035 : 0.0175, above = is_damped ? 0.06 : 0.035;
   shake();
   for (int round = 0; round < 6; ++round) {
     operate(round);
     const double exact = exact_step(block), found = StepSearch(block).largest(0);
     EXPECT_GT(found, (1 - band) * exact) << round;
-    EXPECT_LT(found, 1.06 * exact) << round;
+    EXPECT_LT(found, (1 + above) * exact) << round;
   }
 }
 

@@ -51,6 +51,8 @@ TEST(SurfaceTree, TheNearestIsThatOfAllOneByOne) {
       double least = 1e300;
       for (Index t = 0; t < count; ++t) least = std::min(least, distance(surface, t, p));
       EXPECT_NEAR(distance(surface, tree.nearest(p, i % count), p), least, 1e-15) << i;
+      EXPECT_TRUE(tree.is_within(p, least * (1 + 1e-12)));
+      EXPECT_FALSE(tree.is_within(p, least * (1 - 1e-12)));
       EXPECT_NE(tree.nearest(p, 0, least * (1 + 1e-12)), none);
       EXPECT_EQ(tree.nearest(p, 0, least * (1 - 1e-12)), none);
     }

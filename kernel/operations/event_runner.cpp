@@ -247,6 +247,7 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
   open_sides(cut.cloning.cut);
   built.body().clone_volume(cut.cloning, cut.parts, [&] {
+    built.embedded_parts().refine(cut.refined);
     built.embedded_parts().append(cut.parts, cut.cloning.origins, cut_number());
   });
   if (!cut.seams.empty()) built.body().sew(cut.seams);

@@ -48,6 +48,7 @@ struct CutBox {
     if (cut.empty()) return cut;
     const TopologyChange change = complex.clone_volume(cut.cloning);
     for (const Split& split : change.splits[0]) rows.push_back(Vec3(rows[split.old_cell]));
+    parts.refine(cut.refined);
     parts.append(cut.parts, cut.cloning.origins);
     islands.update(complex, change);
     return cut;

@@ -37,6 +37,7 @@ struct SewnBox : CutBox {
     if (cut.empty()) return;
     const TopologyChange change = complex.clone_volume(cut.cloning);
     follow(change);
+    parts.refine(cut.refined);
     parts.append(cut.parts, cut.cloning.origins);
     islands.update(complex, change);
   }

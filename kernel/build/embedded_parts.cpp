@@ -6,6 +6,7 @@
 
 #include "kernel/base/archive.hpp"
 #include "kernel/parts/cube_sides.hpp"
+#include "kernel/parts/face_contacts.hpp"
 #include "kernel/topology/dart.hpp"
 
 namespace suture {
@@ -150,10 +151,16 @@ std::vector<Index> EmbeddedParts::cuts(const CellComplex& complex) {
   return cuts;
 }
 
-void EmbeddedParts::close(std::span<const Dart> sides) {
-  if (sides.empty()) return;
-  std::vector<Dart> closed;
-  for (const Dart side : sides) closed.push_back(side - side % 4);
+void EmbeddedParts::join(std::span<const Seam> seams) {
+  if (seams.empty()) return;
+  std::vector<Dart> sides;
+  for (const auto& [one, other] : seams) sides.insert(sides.end(), {face_of(one), face_of(other)});
+  close(std::move(sides));
+  append(FaceContacts(parts_).uncovered(seams), {});
+}
+
+/// Forgets what is open on these sides of elements.
+void EmbeddedParts::close(std::vector<Dart> closed) {
   std::ranges::sort(closed);
   std::size_t kept = 0;
   for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {

@@ -7,6 +7,7 @@
 #include "kernel/parts/embedding.hpp"
 #include "kernel/parts/lip_triangle.hpp"
 #include "kernel/parts/part_materials.hpp"
+#include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/dart.hpp"
 
 namespace suture {
@@ -32,8 +33,9 @@ class EmbeddedParts final : public Follower {
   void open(Dart side, Index cut) { cut_of_side_[face_of(side)] = cut; }
   /// The number of the cut that has made each triangle of embedding(); none of others.
   std::vector<Index> cuts(const CellComplex& complex);
-  /// Forgets what cuts have laid open on these sides of elements.
-  void close(std::span<const Dart> sides);
+  /// Elements are joined by these seams, or will be: of their sides, the surface is what they do
+  /// not cover of each other. O(triangles).
+  void join(std::span<const Seam> seams);
   /// Saves what was appended, and the rest with it.
   void state(Archive& archive);
   /// O(parts) at first and after an operation, else free.
@@ -48,6 +50,7 @@ class EmbeddedParts final : public Follower {
   LipTriangle triangle(std::size_t t) const;
   Index cut_before(Index origin, const LipTriangle& triangle) const;
   void inherit_sides(Index first, std::span<const Index> origins);
+  void close(std::vector<Dart> sides);
   void number_lips(std::size_t first);
   void replace_tetrahedra(const Parts& refined, Index first_point);
 

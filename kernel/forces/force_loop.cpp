@@ -330,13 +330,13 @@ struct FixedList {
 
 void ForceLoop::state(Archive& archive) {
   Impl& i = *impl_;
-  archive("fed", i.unstored_work);
-  archive("fed force", i.unstored_force);
-  archive("fed is booked", i.unstored_is_booked);
+  archive("unstored work", i.unstored_work);
+  archive("unstored force", i.unstored_force);
+  archive("unstored is booked", i.unstored_is_booked);
   if (!archive.has_cells()) return;
   if (archive.loads()) i.independent.clear();
   archive("operated", i.operated);
-  archive("still", i.fixed);
+  archive("fixed", i.fixed);
   archive.each("awake", i.awake_rows, [](Archive& a, auto& masks) { a.each("masks", masks); });
   const auto fits = [](std::size_t size, std::size_t all) { return size == 0 || size == all; };
   archive.require(fits(i.fixed.size(), i.attributes.vertex_count()) &&

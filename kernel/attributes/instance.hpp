@@ -127,6 +127,10 @@ class Instance {
   suture_context& context(unsigned worker) { return workers_[worker]->context; }
   void set_workers(unsigned count);
 
+  /// The pairs of faces between which functors on lips act (attributes/lips.hpp): the first lies on
+  /// an element of the region. By ascending faces; set before build().
+  std::vector<Seam> lips;
+
   /// Passes on what the model has reported; throws InputError for its errors.
   void deliver_findings(Diagnostics& diagnostics) { findings_.deliver(title(), diagnostics); }
 

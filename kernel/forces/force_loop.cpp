@@ -252,6 +252,13 @@ bool ForceLoop::reads_fields() const {
   });
 }
 
+bool ForceLoop::reads_motion() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return !functor.skipped() &&
+           (functor.reads() & (SUTURE_READ_POSITION | SUTURE_READ_VELOCITY)) != 0;
+  });
+}
+
 bool ForceLoop::depends_on_positions_alone() const {
   return !reads_velocity() && !keeps_states() && !reads_fields();
 }

@@ -30,7 +30,7 @@ inline constexpr std::size_t parallel_nodes = 32768;
 /// one that reads a field, changes with time, so the work of its forces is booked instead.
 inline const suture_energy_1* stored_energy(const CompiledFunctor& functor) {
   if ((functor.instance().model().flags & SUTURE_ACTIVE) != 0) return nullptr;
-  if (functor.reads_field()) return nullptr;
+  if (functor.reads_field() && functor.functor().field == 0) return nullptr;
   return functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
 }
 

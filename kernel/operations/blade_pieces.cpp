@@ -158,20 +158,28 @@ bool BladePieces::is_held(const Hexahedron& nodes, const std::vector<DividedPart
  */
 void BladePieces::refine_beside_divided() {
   if (divided_.empty() || !has_rim_) return;
-  std::vector<Vec3> places;  // of the nodes of divided elements; other parts have nodes there, too
+  NodesByPlace divided;
   for (const Index e : divided_)
-    for (const Index v : complex_.vertices_of(e)) places.push_back(row(v));
-  sort_unique(places);
+    for (const Index v : complex_.vertices_of(e)) divided.push_back({row(v), v});
+  sort_unique(divided);
   std::ranges::sort(undivided_);
   PartWriter writer(refined_.parts);
   for (const Index e : undivided_) {
-    const Hexahedron& nodes = complex_.vertices_of(e);
-    NodeHeights heights = node_heights(nodes);
-    for (std::size_t n = 0; n < 8; ++n)
-      if (!std::ranges::binary_search(places, row(nodes[n]))) heights[n] = 0;
+    NodeHeights heights;
+    std::ranges::transform(complex_.vertices_of(e), heights.begin(),
+                           [&](Index v) { return rim_height(divided, v); });
     const auto [low, high] = std::ranges::minmax(heights);
     if (low < -tolerance_ && high > tolerance_) refine(e, heights, writer);
   }
+}
+
+/// That of a node of divided elements. The other parts of an element have nodes at the same places,
+/// and at another time a moving blade may have given them other heights.
+double BladePieces::rim_height(const NodesByPlace& divided, Index vertex) const {
+  const Vec3 place = row(vertex);
+  if (std::ranges::binary_search(divided, std::pair(place, vertex))) return heights_[vertex];
+  const auto other = std::ranges::lower_bound(divided, std::pair(place, Index{0}));
+  return other != divided.end() && other->first == place ? heights_[other->second] : 0;
 }
 
 void BladePieces::refine(Index element, const NodeHeights& heights, PartWriter& writer) {

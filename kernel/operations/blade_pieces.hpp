@@ -58,12 +58,14 @@ class BladePieces {
 
  private:
   using NodeHeights = std::array<double, 8>;
+  using NodesByPlace = std::vector<std::pair<Vec3, Index>>;
   void find_sides();
   NodeHeights node_heights(const Hexahedron& nodes) const;
   void find_point_heights(const Material& material, const NodeHeights& heights);
   void check_size(const Material& material) const;
   void divide(Index element);
   void refine_beside_divided();
+  double rim_height(const NodesByPlace& divided, Index vertex) const;
   void refine(Index element, const NodeHeights& heights, PartWriter& writer);
   void add_whole(Index element);
   void leave_whole(Index element) {

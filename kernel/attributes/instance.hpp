@@ -128,6 +128,10 @@ class Instance {
   suture_context& context(unsigned worker) { return workers_[worker]->context; }
   void set_workers(unsigned count);
 
+  /// The pairs of faces between which functors on lips act (attributes/lips.hpp): the first lies on
+  /// an element of the region. By ascending faces; set before build().
+  std::vector<Seam> lips;
+
   /// Passes on what the model has reported; throws InputError for its errors.
   void deliver_findings(Diagnostics& diagnostics) { findings_.deliver(title(), diagnostics); }
 
@@ -135,6 +139,9 @@ class Instance {
   /// parallelepipeds come first. table(3).cells.size() if no functor of the
   /// model asks for the shape (nothing is classified then).
   Index general_begin = 0;
+  /// First row of a parallelepiped that is no box: boxes come first of all. No batch of a functor
+  /// on parallelepipeds holds both.
+  Index skewed_begin = 0;
   /// First row of table(3) whose element is only in part material; these come last, and are
   /// parallelepipeds. table(3).cells.size() if there are none.
   Index part_begin = 0;

@@ -12,6 +12,7 @@
 #include "kernel/plugin_host/host_extensions.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/plugin_host/table_entry.hpp"
+#include "suture/lips.h"
 
 namespace suture {
 namespace {
@@ -296,7 +297,8 @@ void check_cells(const Entry& entry, const suture_functor& f) {
   if (!entry.require(f.dimension <= 3,
                      "its dimension is " + std::to_string(f.dimension) + ", expected 0 to 3"))
     return;
-  entry.require(f.cell_type == type_of[f.dimension],
+  const bool on_lips = f.cell_type == SUTURE_LIPS && f.dimension == 2;
+  entry.require(f.cell_type == type_of[f.dimension] || on_lips,
                 "its cell_type is " + std::to_string(f.cell_type) + ", expected " +
                     std::to_string(type_of[f.dimension]) + " with dimension " +
                     std::to_string(f.dimension));
@@ -304,8 +306,8 @@ void check_cells(const Entry& entry, const suture_functor& f) {
   entry.known(f.faces, SUTURE_INTERIOR_FACES, "faces");
   entry.require(f.dimension == 3 || f.shape == SUTURE_ANY_SHAPE,
                 "names a shape, which only cells of dimension 3 have");
-  entry.require(f.dimension == 2 || f.faces == SUTURE_ALL_FACES,
-                "names a set of faces, but its dimension is not 2");
+  entry.require((f.dimension == 2 && !on_lips) || f.faces == SUTURE_ALL_FACES,
+                "names a set of faces, but its dimension is not 2, or its cells are lips");
 }
 
 void check_functors(const Entry& model, const suture_model& m) {

@@ -114,15 +114,7 @@ SewFaces read_suture(ObjectReader suture) {
   }
   if (const JsonValue* between = suture.find("between")) {
     ++given;
-    const std::string path = suture.path_of("between");
-    const auto* items = read_array(*between, path, "two selections", suture.mistakes());
-    if (items != nullptr && items->size() == 2) {
-      result.between = {read_selection((*items)[0], child_path(path, 0), suture.mistakes()),
-                        read_selection((*items)[1], child_path(path, 1), suture.mistakes())};
-    } else if (items != nullptr) {
-      suture.complain("between", "must be two selections of elements [A, B], has " +
-                                     std::to_string(items->size()));
-    }
+    result.between = read_two_regions(*between, suture, "between");
     suture.require("gap", "the largest distance between corners, in m");
   } else if (suture.find("gap") != nullptr) {
     suture.complain("gap", "is only allowed with 'between'");

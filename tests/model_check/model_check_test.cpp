@@ -116,10 +116,11 @@ TEST_P(PlantedFaults, IsFoundAgainWhereItWasFound) {
 class GoodModels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ModelCheck, GoodModels,
                          testing::Values("none", "neo-hooke", "active-muscle", "active-tone",
-                                         "corotational", "damage", "damage-springs", "fibres",
-                                         "gradient-damage", "heat", "hooke", "mooney-rivlin",
-                                         "mss-baudet", "mss-golec", "neo-hookean", "porous",
-                                         "thermoelastic", "tm-faure", "visco", "volume"),
+                                         "cohesive", "corotational", "damage", "damage-springs",
+                                         "fibres", "gradient-damage", "heat", "hooke",
+                                         "mooney-rivlin", "mss-baudet", "mss-golec", "neo-hookean",
+                                         "porous", "thermoelastic", "tie", "tm-faure", "visco",
+                                         "volume"),
                          [](const auto& test) {
                            std::string name = test.param;
                            std::erase(name, '-');

@@ -229,8 +229,11 @@ CellSet Instance::region(const RestPlaces& rest, std::vector<Index> elements) {
     const auto has_parallel_edges = [&](Index e) { return is_parallelepiped(rest.of(e)); };
     const auto general = std::stable_partition(elements.begin(), partial, has_parallel_edges);
     general_begin = static_cast<Index>(general - elements.begin());
+    const auto skewed = std::stable_partition(elements.begin(), general,
+                                              [&](Index e) { return is_box(rest.of(e)); });
+    skewed_begin = static_cast<Index>(skewed - elements.begin());
   } else {
-    general_begin = part_begin;
+    skewed_begin = general_begin = part_begin;
   }
   if (elements.size() == count && std::ranges::is_sorted(elements)) return CellSet::all(count);
   return CellSet::of(std::move(elements), count);

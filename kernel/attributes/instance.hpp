@@ -138,6 +138,9 @@ class Instance {
   /// parallelepipeds come first. table(3).cells.size() if no functor of the
   /// model asks for the shape (nothing is classified then).
   Index general_begin = 0;
+  /// First row of a parallelepiped that is no box: boxes come first of all. No batch of a functor
+  /// on parallelepipeds holds both.
+  Index skewed_begin = 0;
   /// First row of table(3) whose element is only in part material; these come last, and are
   /// parallelepipeds. table(3).cells.size() if there are none.
   Index part_begin = 0;

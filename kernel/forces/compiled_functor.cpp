@@ -198,14 +198,16 @@ Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
           count, live};
 }
 
-/// Elements of the shape that the functor is written for, or all cells.
-loops::Rows CompiledFunctor::element_rows() const {
-  const Index all = cells().size();
-  if (dimension_ < 3) return {0, all};
-  if (on_parts_) return {instance_.part_begin, all};
-  if (functor_.shape == SUTURE_PARALLELEPIPED) return {0, instance_.general_begin};
-  if (functor_.shape == SUTURE_GENERAL) return {instance_.general_begin, instance_.part_begin};
-  return {0, instance_.part_begin};
+/// Elements of the shape that the functor is written for, or all cells. A functor may treat a batch
+/// of boxes by itself, so that other shapes are not to be among them.
+std::vector<loops::Rows> CompiledFunctor::element_rows() const {
+  const Index all = cells().size(), skewed = instance_.skewed_begin,
+              general = instance_.general_begin, part = instance_.part_begin;
+  if (dimension_ < 3) return {{0, all}};
+  if (on_parts_) return {{part, all}};
+  if (functor_.shape == SUTURE_PARALLELEPIPED) return {{0, skewed}, {skewed, general}};
+  if (functor_.shape == SUTURE_GENERAL) return {{general, part}};
+  return {{0, part}};
 }
 
 bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
@@ -219,9 +221,9 @@ bool CompiledFunctor::visits_some_faces() const {
 
 std::vector<loops::Rows> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
   if (visits_some_faces()) return wanted_faces(complex);
-  const loops::Rows rows = element_rows();
-  if (rows.begin == rows.end) return {};
-  return {rows};
+  std::vector<loops::Rows> rows = element_rows();
+  std::erase_if(rows, [](const loops::Rows& range) { return range.begin == range.end; });
+  return rows;
 }
 
 std::vector<loops::Rows> CompiledFunctor::wanted_faces(const CellComplex& complex) const {

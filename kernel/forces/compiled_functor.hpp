@@ -106,7 +106,7 @@ class CompiledFunctor {
   void read_columns(Attributes& attributes);
   bool visits_some_faces() const;
   std::vector<loops::Rows> wanted_rows(const CellComplex& complex) const;
-  loops::Rows element_rows() const;
+  std::vector<loops::Rows> element_rows() const;
   std::vector<loops::Rows> wanted_faces(const CellComplex& complex) const;
   bool follow_merges(const CellComplex& complex, const TopologyChange& change);
   std::vector<Index> rows_at(const CellComplex& complex, Dart dart) const;

@@ -55,17 +55,19 @@ std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
         std::ranges::for_each(cells_of_element(complex, functor.dimension(), e), add);
   marks::unmark(row_marks_, rows_);
   std::ranges::sort(rows_);
-  return in_batches();
+  return in_batches(functor.dimension() == 3 ? functor.instance().skewed_begin : 0);
 }
 
-/// Cell columns are in blocks of 8 rows, so a batch has rows of one block.
-std::span<const loops::BatchRows> LocalRows::in_batches() {
+/// Cell columns are in blocks of 8 rows, so a batch has rows of one block, on one side of `border`.
+std::span<const loops::BatchRows> LocalRows::in_batches(Index border) {
   batches_.clear();
   for (std::size_t i = 0; i < rows_.size();) {
     loops::BatchRows& batch = batches_.emplace_back();
     batch.valid = 0;
     const Index block = rows_[i] / SUTURE_LANES;
-    for (; i < rows_.size() && rows_[i] / SUTURE_LANES == block; ++i)
+    const bool before = rows_[i] < border;
+    for (; i < rows_.size() && rows_[i] / SUTURE_LANES == block && (rows_[i] < border) == before;
+         ++i)
       batch.row[batch.valid++] = rows_[i];
     for (Index l = batch.valid; l < SUTURE_LANES; ++l) batch.row[l] = batch.row[batch.valid - 1];
   }

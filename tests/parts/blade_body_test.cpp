@@ -48,7 +48,10 @@ struct BladeBody : PartBody {
     const suture::BladeCut cut =
         suture::cut_along(complex(), parts.parts(), attributes().rest().rows(),
                           suture::PlaneBlade(plane), "/events/0");
-    clone_volume(cut.cloning, cut.parts, [&] { parts.append(cut.parts, cut.cloning.origins); });
+    clone_volume(cut.cloning, cut.parts, [&] {
+      parts.refine(cut.refined);
+      parts.append(cut.parts, cut.cloning.origins);
+    });
     return cut.divided;
   }
   double kinetic() {

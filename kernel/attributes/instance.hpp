@@ -24,7 +24,8 @@ CellSet all_cells(const CellComplex& complex, int dimension);
 
 /// Whether the values of an attribute are a column of the kernel, not of an instance.
 inline bool is_of_kernel(const suture_attribute& attribute) {
-  return (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_FIELD | SUTURE_CAPACITY)) != 0;
+  return (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_FIELD | SUTURE_CAPACITY |
+                             SUTURE_RELAXATION | SUTURE_FIELD_RATE)) != 0;
 }
 
 /// Values that a scene gives to a column of a model.

@@ -259,6 +259,15 @@ void CompiledFunctor::leave_out(const std::vector<bool>* fixed, const CellComple
   if (!skipped()) list_.leave_out(connectivity(complex), *fixed);
 }
 
+const BatchList& CompiledFunctor::list_without(const std::vector<bool>& others,
+                                               const CellComplex& complex) {
+  if (!list_without_) {
+    list_without_ = list_;
+    list_without_->leave_out(connectivity(complex), others);
+  }
+  return *list_without_;
+}
+
 void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& change) {
   if (skipped() || change.empty()) return;
   const Index before = rows_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -87,6 +88,9 @@ class CompiledFunctor {
   bool skipped() const { return !reason_.empty(); }
   const std::string& reason() const { return reason_; }
   const BatchList& list() const { return list_; }
+  /// Without the blocks whose vertices are all among `others`; of the first call since a change.
+  const BatchList& list_without(const std::vector<bool>& others, const CellComplex& complex);
+  void forget_list_without() { list_without_.reset(); }
   std::string title() const;  ///< "model 'tissue' (mss-baudet), functor 'edge springs'"
 
   /// From now on every call of the force is checked (checked_force.hpp).
@@ -120,6 +124,7 @@ class CompiledFunctor {
   std::uint32_t reads_;
   std::string reason_;  ///< why the functor is skipped
   BatchList list_;
+  std::optional<BatchList> list_without_;
   const std::vector<bool>* fixed_ = nullptr;
   Index rows_ = 0;  ///< of the table when the list was built or last appended to
   loops::Job job_{};

@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"active-ignores-end", "parameters"},
                     Planted{"active-fixed-axis", "objectivity"}, Planted{"rate-upwind", "rates"},
                     Planted{"rate-source", "rates"}, Planted{"rate-blind", "rates"},
-                    Planted{"rate-no-capacity", "field-cut"}),
+                    Planted{"rate-no-capacity", "field-cut"}, Planted{"rate-one-way", "coupling"}),
     [](const auto& test) {
       std::string name = test.param.fault;
       std::erase(name, '-');
@@ -117,9 +117,10 @@ class GoodModels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ModelCheck, GoodModels,
                          testing::Values("none", "neo-hooke", "active-muscle", "active-tone",
                                          "cohesive", "corotational", "damage", "damage-springs",
-                                         "fibres", "heat", "hooke", "mooney-rivlin", "mss-baudet",
-                                         "mss-golec", "neo-hookean", "thermoelastic", "tie",
-                                         "tm-faure", "visco", "volume"),
+                                         "fibres", "gradient-damage", "heat", "hooke",
+                                         "mooney-rivlin", "mss-baudet", "mss-golec", "neo-hookean",
+                                         "porous", "thermoelastic", "tie", "tm-faure", "visco",
+                                         "volume"),
                          [](const auto& test) {
                            std::string name = test.param;
                            std::erase(name, '-');

@@ -24,7 +24,8 @@ CellSet all_cells(const CellComplex& complex, int dimension);
 
 /// Whether the values of an attribute are a column of the kernel, not of an instance.
 inline bool is_of_kernel(const suture_attribute& attribute) {
-  return (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_FIELD | SUTURE_CAPACITY)) != 0;
+  return (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_FIELD | SUTURE_CAPACITY |
+                             SUTURE_RELAXATION | SUTURE_FIELD_RATE)) != 0;
 }
 
 /// Values that a scene gives to a column of a model.
@@ -126,6 +127,10 @@ class Instance {
   /// reset() before a call. There is one worker until set_workers().
   suture_context& context(unsigned worker) { return workers_[worker]->context; }
   void set_workers(unsigned count);
+
+  /// The pairs of faces between which functors on lips act (attributes/lips.hpp): the first lies on
+  /// an element of the region. By ascending faces; set before build().
+  std::vector<Seam> lips;
 
   /// Passes on what the model has reported; throws InputError for its errors.
   void deliver_findings(Diagnostics& diagnostics) { findings_.deliver(title(), diagnostics); }

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/attributes/inspection.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
 #include "kernel/base/sort_unique.hpp"
@@ -43,18 +43,33 @@ std::array<Index, 3> cells_at(const CellComplex& complex, Dart dart) {
 
 }  // namespace
 
-RowNodes::RowNodes(const Instance& instance, int dimension, const RestPlaces& rest)
-    : cells_(instance.table(dimension).cells),
-      dimension_(dimension),
-      node_count_(static_cast<std::size_t>(nodes_of_cell(dimension))) {
+RowNodes::RowNodes(const Instance& instance, const suture_functor& functor, const RestPlaces& rest)
+    : instance_(instance),
+      cells_(instance.table(static_cast<int>(functor.dimension)).cells),
+      dimension_(static_cast<int>(functor.dimension)),
+      on_lips_(acts_on_lips(functor)),
+      node_count_(static_cast<std::size_t>(nodes_of(functor))) {
   // Room for what cuts append: copying all rows for the first of them would cost more
   // than the cut. Pages that nobody touches take no memory.
   nodes_.reserve(cells_.size() * node_count_ * 3 / 2);
   nodes_.resize(cells_.size() * node_count_);
   prefer_large_pages(nodes_.data() + nodes_.size(),
                      (nodes_.capacity() - nodes_.size()) * sizeof(nodes_[0]));
-  for (Index row = 0; row < cells_.size(); ++row)
+  for (Index row = 0; row < cells_.size() && !on_lips_; ++row)
     if (cells_.is_live(row)) read_row(rest.complex(), row);
+  if (on_lips_) read_lips(rest.complex());
+}
+
+void RowNodes::read_lips(const CellComplex& complex) {
+  for (const Seam& lips : instance_.lips) {
+    if (!complex.exists(3, element_of(lips.one))) continue;
+    const Index face = complex.faces_of(element_of(lips.one))[local_face(lips.one)];
+    if (lips_at(instance_, complex, face) == nullptr) continue;
+    Index* const nodes = nodes_.data() + cells_.row(face) * node_count_;
+    const FunctorCorners corners = corners_of(lips);
+    for (std::size_t n = 0; n < node_count_; ++n)
+      nodes[n] = complex.vertices_of(corners[n].element)[corners[n].corner];
+  }
 }
 
 void RowNodes::read_row(const CellComplex& complex, Index row) {
@@ -67,6 +82,10 @@ void RowNodes::read_cell(const CellComplex& complex, Index cell) {
 }
 
 void RowNodes::update(const RestPlaces& rest, const TopologyChange& change) {
+  if (on_lips_) {
+    nodes_.resize(cells_.size() * node_count_);
+    return read_lips(rest.complex());
+  }
   read_nodes(rest.complex(), change);
   // A vertex is at rest where the kernel's column says.
   if (dimension_ > 0 && !rest.own().empty()) read_rest(rest, change.elements);
@@ -172,7 +191,7 @@ std::string CompiledFunctor::title() const {
 }
 
 Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
-  const auto count = static_cast<Index>(nodes_of_cell(dimension_));
+  const auto count = static_cast<Index>(nodes_of(functor_));
   const std::uint8_t* live = cells().live().data();
   if (dimension_ != 3) return {nodes_->data(), nullptr, count, live};
   return {complex.vertices().data()->data(), cells().is_all() ? nullptr : cells().cells().data(),
@@ -196,8 +215,12 @@ bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
   return dimension_ < 3 || (row >= instance_.part_begin) == on_parts_;
 }
 
+bool CompiledFunctor::visits_some_faces() const {
+  return dimension_ == 2 && (functor_.faces != SUTURE_ALL_FACES || acts_on_lips(functor_));
+}
+
 std::vector<loops::Rows> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
-  if (dimension_ == 2 && functor_.faces != SUTURE_ALL_FACES) return wanted_faces(complex);
+  if (visits_some_faces()) return wanted_faces(complex);
   std::vector<loops::Rows> rows = element_rows();
   std::erase_if(rows, [](const loops::Rows& range) { return range.begin == range.end; });
   return rows;
@@ -249,7 +272,7 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
   if (skipped() || change.empty()) return;
   const Index before = rows_;
   rows_ = cells().size();
-  const bool may_append = dimension_ != 2 || functor_.faces == SUTURE_ALL_FACES;
+  const bool may_append = !visits_some_faces();
   const bool gets_rows = dimension_ != 3 || on_parts_;  // new elements are parts
   if (!may_append ||
       (gets_rows && !list_.append(connectivity(complex), before, rows_, complex.count(0))))

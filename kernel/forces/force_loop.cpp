@@ -252,6 +252,13 @@ bool ForceLoop::reads_fields() const {
   });
 }
 
+bool ForceLoop::reads_motion() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return !functor.skipped() &&
+           (functor.reads() & (SUTURE_READ_POSITION | SUTURE_READ_VELOCITY)) != 0;
+  });
+}
+
 bool ForceLoop::depends_on_positions_alone() const {
   return !reads_velocity() && !keeps_states() && !reads_fields();
 }
@@ -360,14 +367,14 @@ struct FixedList {
 
 void ForceLoop::state(Archive& archive) {
   Impl& i = *impl_;
-  archive("fed", i.unstored_work);
-  archive("fed force", i.unstored_force);
-  archive("fed is booked", i.unstored_is_booked);
+  archive("unstored work", i.unstored_work);
+  archive("unstored force", i.unstored_force);
+  archive("unstored is booked", i.unstored_is_booked);
   if (!archive.has_cells()) return;
   if (archive.loads()) i.independent.clear();
   if (archive.loads()) i.forget_shares();
   archive("operated", i.operated);
-  archive("still", i.fixed);
+  archive("fixed", i.fixed);
   archive.each("awake", i.awake_rows, [](Archive& a, auto& masks) { a.each("masks", masks); });
   const auto fits = [](std::size_t size, std::size_t all) { return size == 0 || size == all; };
   archive.require(fits(i.fixed.size(), i.attributes.vertex_count()) &&

@@ -136,6 +136,7 @@ class ForceLoop final : public ForceTerm,
   bool reads_velocity() const;          ///< whether an enabled functor does
   bool keeps_states() const;            ///< whether forces depend on accepted states (SUTURE_TRIAL)
   bool reads_fields() const;            ///< whether forces depend on fields (SUTURE_FIELD)
+  bool reads_motion() const;            ///< whether an enabled functor reads where vertices are
   /// Whether forces depend on nothing else that steps change: no velocities, states and fields.
   bool depends_on_positions_alone() const;
   /// Whether an enabled functor is on edges or faces, or reads columns of vertices: then an

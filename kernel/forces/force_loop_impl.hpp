@@ -11,7 +11,7 @@
 #include <limits>
 #include <optional>
 
-#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/base/lanes.hpp"
 #include "kernel/forces/compiled_functor.hpp"
 #include "kernel/forces/force_loop.hpp"
@@ -30,7 +30,7 @@ inline constexpr std::size_t parallel_nodes = 32768;
 /// one that reads a field, changes with time, so the work of its forces is booked instead.
 inline const suture_energy_1* stored_energy(const CompiledFunctor& functor) {
   if ((functor.instance().model().flags & SUTURE_ACTIVE) != 0) return nullptr;
-  if (functor.reads_field()) return nullptr;
+  if (functor.reads_field() && functor.functor().field == 0) return nullptr;
   return functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
 }
 
@@ -60,12 +60,12 @@ struct ForceLoop::Impl {
       if (attributes.field_of(model, functor) != field) continue;
       const auto dimension = functor.dimension;
       const bool has_rows = dimension < 3 && instance.functor(i).runs;
-      if (has_rows && !nodes[dimension]) {
-        row_nodes.emplace_back(instance, static_cast<int>(dimension),
-                               attributes.rest_places(*complex));
-        nodes[dimension] = &row_nodes.back();
+      RowNodes*& of_cells = nodes[acts_on_lips(functor) ? 3 : dimension];
+      if (has_rows && !of_cells) {
+        row_nodes.emplace_back(instance, functor, attributes.rest_places(*complex));
+        of_cells = &row_nodes.back();
       }
-      functors.emplace_back(instance, functor, dimension < 3 ? nodes[dimension] : nullptr);
+      functors.emplace_back(instance, functor, dimension < 3 ? of_cells : nullptr);
       functors.back().build(*complex);
       if (const suture_functor* const on_parts = instance.part_functor(i)) {
         functors.emplace_back(instance, functor, nullptr, on_parts);
@@ -75,7 +75,7 @@ struct ForceLoop::Impl {
   }
 
   bool pays(const CompiledFunctor& functor, const BatchList& list) const {
-    const auto nodes = static_cast<std::size_t>(nodes_of_cell(functor.dimension()));
+    const auto nodes = static_cast<std::size_t>(nodes_of(functor.functor()));
     const bool large = list.cell_count() * nodes >= parallel_nodes;
     return threads.threads() > 1 && (large || !functor.instance().skips());
   }
@@ -225,6 +225,7 @@ struct ForceLoop::Impl {
   bool add_single_tangent(Index, const loops::Product<double>&, const TangentTime&) {
     return false;
   }
+  Index cell_functor(Index number) const;
   template <class Run>
   void with_tangent_columns(Index number, double dx, double dv, const TangentTime& at,
                             const VisitTangents& visit, Run run_batches);

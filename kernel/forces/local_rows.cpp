@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/topology/marks.hpp"
 
 namespace suture {
@@ -24,6 +24,14 @@ std::vector<Index> LocalRows::elements_around(const CellComplex& complex,
   return elements;
 }
 
+/// Pairs of which one of the elements, which ascend, has a lip. O(lips log elements).
+template <class Visit>
+void for_each_lips_of(const Instance& instance, std::span<const Index> elements, Visit visit) {
+  const auto has = [&](Dart lip) { return std::ranges::binary_search(elements, element_of(lip)); };
+  for (const Seam& lips : instance.lips)
+    if (has(lips.one) || has(lips.other)) visit(lips);
+}
+
 template <class Wanted>
 std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
                                                   const CompiledFunctor& functor,
@@ -31,15 +39,20 @@ std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
   const CellSet& cells = functor.cells();
   row_marks_.resize(std::max<std::size_t>(row_marks_.size(), cells.size() / 64 + 1), 0);
   rows_.clear();
-  for (const Index e : elements) {
-    if (!complex.exists(3, e)) continue;
-    for (const Index cell : cells_of_element(complex, functor.dimension(), e)) {
-      const Index row = cells.row(cell);
-      if (row != none && functor.visits(complex, row) && wanted(row) &&
-          marks::mark(row_marks_, row))
-        rows_.push_back(row);
-    }
-  }
+  const auto add = [&](Index cell) {
+    const Index row = cells.row(cell);
+    if (row != none && functor.visits(complex, row) && wanted(row) && marks::mark(row_marks_, row))
+      rows_.push_back(row);
+  };
+  if (acts_on_lips(functor.functor()))
+    for_each_lips_of(functor.instance(), elements, [&](const Seam& lips) {
+      if (complex.exists(3, element_of(lips.one)))
+        add(complex.faces_of(element_of(lips.one))[local_face(lips.one)]);
+    });
+  else
+    for (const Index e : elements)
+      if (complex.exists(3, e))
+        std::ranges::for_each(cells_of_element(complex, functor.dimension(), e), add);
   marks::unmark(row_marks_, rows_);
   std::ranges::sort(rows_);
   return in_batches(functor.dimension() == 3 ? functor.instance().skewed_begin : 0);

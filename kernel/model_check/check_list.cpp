@@ -73,6 +73,8 @@ constexpr ModelCheck all_checks[] = {
      no_rate, 1e-6, checks::rates, nullptr},
     {"field-cut", "capacities are positive, and cuts and seams keep the content of fields", no_rate,
      1e-11, nullptr, checks::field_cut},
+    {"coupling", "what the motion gives to a field is what the field takes from the motion",
+     "no rate depends on the motion", 1e-5, nullptr, checks::coupling},
     {"speed", "ns per cell", "", any, checks::speed, nullptr}};
 
 std::string text_of_sample(const SampleOptions& sample) {

@@ -86,15 +86,29 @@ SampleBody::SampleBody(const suture_model& model, const SampleOptions& options)
     add_model(model, {});
   }
   body_.compile(diagnostics_, 1);
+  open_lips();
   give_mass();
   deform();
 }
 
 void SampleBody::add_model(const suture_model& model, std::vector<Index> elements) {
-  const std::string name = elements.empty() || elements[0] == 0 ? "checked" : "checked-2";
-  body_.attributes().add(
-      std::make_unique<Instance>(model, name, parameters(), diagnostics_, true, given_columns()),
-      body_.complex(), std::move(elements));
+  const bool is_second = !elements.empty() && elements[0] != 0;
+  auto instance = std::make_unique<Instance>(model, is_second ? "checked-2" : "checked",
+                                             parameters(), diagnostics_, true, given_columns());
+  if (acts_on_lips(model)) {
+    elements = !options_.halves ? std::vector<Index>{0, 2, 4, 6}
+               : is_second      ? std::vector<Index>{2, 6}
+                                : std::vector<Index>{0, 4};
+    instance->lips = faces_between(body_.complex(), elements, std::vector<Index>{1, 3, 5, 7});
+  }
+  body_.attributes().add(std::move(instance), body_.complex(), std::move(elements));
+}
+
+void SampleBody::open_lips() {
+  std::vector<Dart> faces;
+  for (const auto& instance : body_.attributes().instances())
+    for (const Seam& lips : instance->lips) faces.push_back(lips.one);
+  if (!faces.empty()) body_.cut(faces);
 }
 
 /// NaN for those that differ.
@@ -213,6 +227,7 @@ std::vector<Index> SampleBody::cells_of(const suture_functor& functor) {
   std::vector<Index> cells;
   for (Index row = 0; row < set.size(); ++row) {
     const Index cell = set.cell(row);
+    if (acts_on_lips(functor) && lips_at(instance(), body_.complex(), cell) == nullptr) continue;
     const bool is_general = dimension == 3 && instance().is_general(row);
     const bool is_boundary =
         dimension == 2 && body_.complex().beta3(body_.complex().dart_of(2, cell)) == none;

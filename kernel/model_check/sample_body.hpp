@@ -30,7 +30,7 @@ struct SampleOptions {
 };
 
 /// A block of 2x2x2 elements with edges of about 5 cm and one model, in a deformed state that
-/// moves: every component of a strain is about 10 %.
+/// moves: every component of a strain is about 10 %. A model on lips acts between its halves.
 class SampleBody {
  public:
   /// Throws InputError if the model refuses the parameters or the shape, PluginError.
@@ -65,6 +65,7 @@ class SampleBody {
 
  private:
   void add_model(const suture_model& model, std::vector<Index> elements);
+  void open_lips();
   std::vector<double> parameters() const;
   std::vector<GivenColumn> given_columns() const;
   void give_mass();

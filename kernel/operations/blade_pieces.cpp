@@ -16,6 +16,7 @@ namespace suture {
 namespace {
 
 constexpr double tolerance_in_edges = 0.02;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Trilinear between the heights of the nodes. On a face, those of its nodes alone decide: both
 /// sides find the same bits.
@@ -50,18 +51,20 @@ BladePieces::BladePieces(const CellComplex& complex, const Parts& parts, const d
 /// blade.
 void BladePieces::find_sides() {
   std::vector<Index> near;
-  double shortest = std::numeric_limits<double>::infinity();
+  double shortest = infinity;
   for (Index e = 0; e < complex_.element_count(); ++e) {
     if (!complex_.exists(3, e)) continue;
     const Hexahedron& nodes = complex_.vertices_of(e);
-    if (std::isnan(heights_[nodes[0]])) continue;  // far away, as below
-    double low = heights_[nodes[0]], high = low, sum = 0;
-    for (const Index v : nodes) {
+    double low = infinity, high = -infinity, sum = 0;
+    for (const Index v : nodes) {  // those that are not known count in the sum alone
       low = std::min(low, heights_[v]);
       high = std::max(high, heights_[v]);
       sum += heights_[v];
     }
-    if (std::isnan(sum)) continue;  // far away; it touches no divided one
+    if (std::isnan(sum)) {  // it cannot be divided, but it may be beside one that is
+      if (low < 0 && high > 0) leave_whole(e);
+      continue;
+    }
     side_[e] = high > -low ? 1 : -1;
     // Corners on a plane along a grid are beside it by rounding.
     if (std::min(high, -low) < -tolerance_in_edges * (high - low)) continue;
@@ -80,7 +83,9 @@ void BladePieces::find_sides() {
     }
     if (above && below) crossed_.push_back(e);
   }
-  materials_.find_surface(crossed_, complex_.element_count());
+  std::vector<Index> seen = crossed_;
+  seen.insert(seen.end(), undivided_.begin(), undivided_.end());
+  materials_.find_surface(seen, complex_.element_count());
 }
 
 BladePieces::NodeHeights BladePieces::node_heights(const Hexahedron& nodes) const {
@@ -109,14 +114,15 @@ void BladePieces::divide(Index element) {
   find_point_heights(material, node_heights(nodes));
   const std::vector<double>& heights = point_heights_;
   side_[element] = static_cast<std::int8_t>(side_of(material, heights, tolerance_));
-  if (side_[element] == 0 && blade_.has_divided(element, heights_)) {
+  if (side_[element] != 0) return undivided_.push_back(element);
+  if (blade_.has_divided(element, heights_)) {
     // Its section is linear in each tetrahedron, heights are not.
     const auto [low, high] = std::ranges::minmax(heights);
     side_[element] = high > -low ? 1 : -1;
+    return leave_whole(element);
   }
-  if (side_[element] != 0) return;
   std::vector<DividedPart> found = divider_.divide(material, heights, tolerance_);
-  if (found.size() < 2 || !is_held(nodes, found)) return;
+  if (found.size() < 2 || !is_held(nodes, found)) return leave_whole(element);
   const auto first = static_cast<Index>(pieces_.size());
   for (DividedPart& part : found) {
     check_size(part.material);
@@ -151,14 +157,14 @@ bool BladePieces::is_held(const Hexahedron& nodes, const std::vector<DividedPart
  *      +------+------+------+
  */
 void BladePieces::refine_beside_divided() {
-  if (divided_.empty() || divided_.size() == crossed_.size()) return;
+  if (divided_.empty() || !has_rim_) return;
   std::vector<Vec3> places;  // of the nodes of divided elements; other parts have nodes there, too
   for (const Index e : divided_)
     for (const Index v : complex_.vertices_of(e)) places.push_back(row(v));
   sort_unique(places);
+  std::ranges::sort(undivided_);
   PartWriter writer(refined_.parts);
-  for (const Index e : crossed_) {
-    if (is_divided(e)) continue;
+  for (const Index e : undivided_) {
     const Hexahedron& nodes = complex_.vertices_of(e);
     NodeHeights heights = node_heights(nodes);
     for (std::size_t n = 0; n < 8; ++n)

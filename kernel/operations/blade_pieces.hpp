@@ -66,6 +66,10 @@ class BladePieces {
   void refine_beside_divided();
   void refine(Index element, const NodeHeights& heights, PartWriter& writer);
   void add_whole(Index element);
+  void leave_whole(Index element) {
+    undivided_.push_back(element);
+    has_rim_ = true;
+  }
   bool is_held(const Hexahedron& nodes, const std::vector<DividedPart>& found) const;
   Vec3 row(Index vertex) const {
     const double* x = rows_ + stride_ * vertex;
@@ -82,6 +86,8 @@ class BladePieces {
   double tolerance_ = 0;  ///< m
   std::vector<std::int8_t> side_;
   std::vector<Index> crossed_, divided_;
+  std::vector<Index> undivided_;  ///< of those whose nodes are on both sides
+  bool has_rim_ = false;          ///< the material of one of these may be, too
   Divider divider_;
   std::vector<double> point_heights_;  ///< of the element that is divided, by point
   std::vector<Range> pieces_of_;       ///< by element

@@ -479,10 +479,10 @@ void EventRunner::roll_back(double time) {
 void EventRunner::state(Archive& archive) {
   std::span states = states_;
   archive.each("events", states, [](Archive& each, State& state) {
-    each("came", state.has_fired);
+    each("has fired", state.has_fired);
     each("had effect", state.had_effect);
     each("last", state.last);
-    each("told misfits", state.reported_misfits);
+    each("reported misfits", state.reported_misfits);
     if (state.tear) each("tear", *state.tear);
     if (state.sheet) each("sheet", *state.sheet);
     if (state.blade && !state.sheet) each("blade", *state.blade);

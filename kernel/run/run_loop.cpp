@@ -447,7 +447,7 @@ void RunLoop::finish(Observer& observer) {
         rounding_warning(built_.dynamics(), scene_.solver.step_tolerance), deep_overlaps(built_)})
     if (!text.empty()) diagnostics_.warn(text);
   for (const std::string& text : notes_on_steps(built_.dynamics())) observer.on_message(text);
-  for (const auto& field : built_.body().fields()) observer.on_message(field.balance_text());
+  for (auto& field : built_.body().fields()) observer.on_message(field.balance_text());
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());

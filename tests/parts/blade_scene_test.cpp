@@ -191,7 +191,7 @@ TEST(BladeScene, RefusesWhatDoesNotKnowParts) {
                 scene.contact.pieces = true;
                 scene.solver.sleep_acceleration = 1;
               }),
-              AllOf(StartsWith("/contact/pieces: needs a run without sleep"), HasSubstr("remove")));
+              IsEmpty());
   EXPECT_THAT(error([](Scene& scene) {
                 scene.events.push_back({.what = SewFaces{}, .path = "/events/1"});
               }),

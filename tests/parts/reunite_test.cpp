@@ -89,6 +89,24 @@ TEST(Reunite, LeavesPartsThatAreNotWanted) {
   }
 }
 
+// A whole element beside two parts, cut from the one and sewn to the other: on their faces, the
+// surface is what they do not cover.
+TEST(Reunite, SewnFacesShowWhatIsNotCovered) {
+  CutBox box({2, 1, 1});
+  PlanePatch disc{.point = {0.3, 0.5, 0.4}, .normal = {0, 0, 1}};
+  disc.radius = 1;
+  ASSERT_EQ(box.cut(disc).divided, 1u);
+  const Dart whole = face_dart(1, cube_sides[0].face()), joined = box.complex.beta3(whole);
+  const Index other = element_of(joined) == 2 ? 3 : 2;
+  box.follow(box.complex.cut(std::vector<Dart>{whole}));
+  box.sew({{corresponding_dart(other, joined), whole}});
+  ASSERT_NO_FATAL_FAILURE(expect_valid(box));
+  const Embedding& embedding = box.parts.embedding(box.complex);
+  ASSERT_NO_FATAL_FAILURE(expect_closed(embedding));
+  EXPECT_NEAR(surface_volume(box, embedding), 2, 2e-12);
+  EXPECT_NEAR(lip_area(box, embedding), 2 * 1 + 2 * 0.6, 1e-12);
+}
+
 /// A bar, held at one end and pulled on its side, which an oblique plane cuts right through.
 Scene pulled_bar() {
   Scene scene = block(tree_plugins(), "tm-faure", {8, 3, 3}, {8, 3, 3},

@@ -56,6 +56,13 @@
 //   vertex_fields[]              suture::vertex_field(name, unit, doc); energy(F, p, at) and
 //                                stress(F, p, at) find the values in at.field[i], and
 //                                differentiate at constant fields
+// and may change one field, which then is the only one; the element is trilinear:
+//   release(F, p, at) -> released<T>  source and flow of the field by its value at.field, its
+//                                gradient and its rate (field_point). F is not differentiated
+//   field_energy(p, at) -> T     optional: the field's own energy density, J/m^3, if release()
+//                                is - d(energy() + field_energy()) by the field
+// Behind the field, `vertex_fields` may declare lumped_capacity(), lumped_relaxation()
+// (diffusion.hpp) and rate_of_field().
 //
 // A model may also have
 //   static constexpr suture::element_type default_element
@@ -76,6 +83,7 @@
 #define SUTURE_CONTINUUM_HPP
 
 #include "suture/detail/mean_gradient_functors.hpp"
+#include "suture/detail/release.hpp"
 #include "suture/kinematics.hpp"
 #include "suture/mass.hpp"
 
@@ -343,12 +351,19 @@ inline constexpr int nodes_to_check<general_hexahedra<M>> = 1;
 /// Only points() and stores() may choose hexahedra whose geometry is not stored. A class of its
 /// own: it is needed where M, which derives from continuum<M>, is complete.
 template <class M>
-struct functors_of_law
-    : std::conditional_t<has_points<M> || has_stores<M>,
-                         list<parallelepipeds<M>, stored_hexahedra<M>, general_hexahedra<M>,
-                              mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>,
-                         list<parallelepipeds<M>, stored_hexahedra<M>,
-                              mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>> {};
+constexpr auto choose_functors() {
+  using trilinear = list<parallelepipeds<M>, stored_hexahedra<M>>;
+  using mean_gradient = list<mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>;
+  if constexpr (has_release<M>)
+    return joined(trilinear(),
+                  list<release_in_parallelepipeds<M>, release_in_general_hexahedra<M>>());
+  else if constexpr (has_points<M> || has_stores<M>)
+    return joined(joined(trilinear(), list<general_hexahedra<M>>()), mean_gradient());
+  else
+    return joined(trilinear(), mean_gradient());
+}
+template <class M>
+struct functors_of_law : decltype(choose_functors<M>()) {};
 
 }  // namespace detail
 

@@ -181,15 +181,28 @@ SUTURE_INLINE void diffuse_in_part(const Cell& c, const K& k) {
 }
 
 namespace detail {
+/// An eighth of the volume, times density(parameters).
+template <class Cell, class Out, class Density>
+void share_equally(const Cell& c, const Out& out, const Density& density) {
+  vec3<typename Cell::real> X[8];
+  for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+  const auto share = volume(X) * (0.125 * density(c.parameters()));
+  for (int n = 0; n < 8; ++n) out.set(n, 0, share);
+}
 template <class M>
 struct capacity_share {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, const Out& out) {
-    vec3<typename Cell::real> X[8];
-    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
-    const auto share = volume(X) * (0.125 * M::capacity(c.parameters()));
-    for (int n = 0; n < 8; ++n) out.set(n, 0, share);
+    share_equally(c, out, [](const auto& p) { return M::capacity(p); });
+  }
+};
+template <class M>
+struct relaxation_share {
+  static constexpr int components = 1;
+  template <class Cell, class Out>
+  static void compute(const Cell& c, const Out& out) {
+    share_equally(c, out, [](const auto& p) { return M::relaxation(p); });
   }
 };
 }  // namespace detail
@@ -201,6 +214,17 @@ constexpr attribute lumped_capacity(const char* name, const char* unit, const ch
   return vertex_attribute(name, unit, doc)
       .from_volumes(contribution<M, detail::capacity_share<M>>)
       .flag(SUTURE_CAPACITY);
+}
+
+/// What the deformation takes up per unit of that field, likewise from M::relaxation(p): implicit
+/// steps, which solve for motion and field in turns, need it where both depend strongly on each
+/// other (SUTURE_RELAXATION).
+template <class M>
+constexpr attribute lumped_relaxation(const char* name, const char* unit, const char* doc) {
+  return vertex_attribute(name, unit, doc)
+      .from_volumes(contribution<M, detail::relaxation_share<M>>)
+      .internal()
+      .flag(SUTURE_RELAXATION);
 }
 
 }  // namespace suture

@@ -6,6 +6,7 @@
 
 #include "kernel/attributes/inspection.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/parts/general_part.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
@@ -65,28 +66,29 @@ Attributes::Attributes(const CellComplex& complex, std::span<const Vec3> rest) {
 
 void Attributes::set_parts(const CellComplex& complex, ElementParts parts) {
   parts_ = std::move(parts);
+  if (parts_.are_general()) return;
   const RestPlaces rest = rest_places(complex);
   for (const Index e : parts_.elements())
-    require_parallelepiped(rest, e,
-                           ", of which only a part is material, is not a parallelepiped at rest; "
-                           "the surface of a body may cross the elements of a regular grid only");
+    if (!is_parallelepiped(rest.of(e)))
+      throw InputError("element " + std::to_string(user_element.empty() ? e : user_element[e]) +
+                       ", of which only a part is material, is not a parallelepiped at rest; the "
+                       "surface of a body may cross the elements of a regular grid only");
 }
 
 void Attributes::let_parts_grow(const CellComplex& complex) {
   parts_.let_grow();
   const RestPlaces rest = rest_places(complex);
-  for (Index e = 0; e < complex.element_count(); ++e)
-    if (complex.exists(3, e))
-      require_parallelepiped(rest, e,
-                             " is not a parallelepiped at rest; a blade may divide the elements of "
-                             "a regular grid only. Cut along \"faces\" instead");
+  for (Index e = 0; e < complex.element_count() && !parts_.are_general(); ++e)
+    if (complex.exists(3, e) && !is_parallelepiped(rest.of(e))) parts_.make_general();
 }
 
-void Attributes::require_parallelepiped(const RestPlaces& rest, Index element,
-                                        const char* what) const {
-  if (is_parallelepiped(rest.of(element))) return;
-  throw InputError("element " +
-                   std::to_string(user_element.empty() ? element : user_element[element]) + what);
+void Attributes::begin_copies(const CellComplex& complex, const Parts& copies,
+                              std::span<const Index> origins) {
+  std::vector<GeneralPart> general;
+  const RestPlaces rest = rest_places(complex);
+  for (std::size_t i = 0; i < origins.size() && parts_.are_general(); ++i)
+    general.push_back(general_part(copies, i, rest.of(origins[i])));
+  parts_.begin_copies(copies, general);
 }
 
 Instance& Attributes::add(std::unique_ptr<Instance> instance, CellComplex& complex,

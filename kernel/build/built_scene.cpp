@@ -28,6 +28,7 @@
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
+#include "kernel/parts/align_axes.hpp"
 #include "kernel/parts/fill_labels.hpp"
 #include "kernel/parts/fill_shape.hpp"
 #include "kernel/parts/lattice.hpp"
@@ -39,6 +40,7 @@ namespace {
 
 /// What the import needed meanwhile is gone before the columns come.
 Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics) {
+  if (scene.divides_elements() && mesh.parts.empty()) align_axes(mesh.hexahedra);
   Imported imported = import_mesh(std::move(mesh), scene.mesh.import, diagnostics);
   trim_heap();
   return imported;
@@ -154,13 +156,10 @@ void BuiltScene::let_parts_grow() {
   if (const Index e = first_off_lattice(body_.complex()); e != none)
     throw InputError(
         path + "element " + std::to_string(element_name(e)) +
-        " and a neighbour are not numbered along the same axes; a blade may divide the "
-        "elements of a regular grid only. Cut along \"faces\" instead");
-  try {
-    body_.attributes().let_parts_grow(body_.complex());
-  } catch (const InputError& error) {
-    throw InputError(path + error.what());
-  }
+        " and a neighbour do not lie along the same axes, as around an inner edge with three or "
+        "five elements; a blade may divide meshes of mapped blocks only. Cut along \"faces\" "
+        "instead");
+  body_.attributes().let_parts_grow(body_.complex());
   parts_.let_grow(body_.complex());
 }
 

@@ -8,7 +8,7 @@
 #include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
 #include "kernel/base/sort_unique.hpp"
-#include "suture/parts.h"
+#include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture {
 namespace {
@@ -181,7 +181,7 @@ CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& funct
   const Instance::Enabled& answer =
       instance.functor(static_cast<std::size_t>(&functor - instance.model().functors));
   if (!answer.runs) reason_ = "its force is zero with these parameters";
-  reads_ = answer.reads;
+  reads_ = functor_.reads & (answer.reads | ~functor.reads);
   cell_columns_.resize(functor_.cell_column_count);
   vertex_columns_.resize(functor_.vertex_column_count);
 }
@@ -351,7 +351,7 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
 
 bool CompiledFunctor::has_states() const {
   const auto is_state = [&](std::uint32_t attribute) {
-    return attribute != UINT32_MAX && attribute != SUTURE_PART_COLUMN &&
+    return attribute != UINT32_MAX && !is_part_column(attribute) &&
            instance_.column(attribute) != nullptr && instance_.column(attribute)->has_trial();
   };
   return std::any_of(functor_.cell_columns, functor_.cell_columns + functor_.cell_column_count,
@@ -371,10 +371,10 @@ void CompiledFunctor::read_columns(Attributes& attributes) {
   job_.has_trial = 0;
   varying_columns_.clear();
   for (std::size_t i = 0; i < cell_columns_.size(); ++i) {
-    if (functor_.cell_columns[i] == SUTURE_PART_COLUMN) {
-      cell_columns_[i] = {instance_.part_column(), nullptr,
-                          std::uint64_t{SUTURE_PART_COMPONENTS} * SUTURE_LANES,
-                          SUTURE_PART_COMPONENTS, 0};
+    if (is_part_column(functor_.cell_columns[i])) {
+      const PartColumn& part = instance_.part_column(functor_.cell_columns[i]);
+      cell_columns_[i] = {part.data(), nullptr, std::uint64_t{part.components()} * SUTURE_LANES,
+                          part.components(), 0};
       varying_columns_.push_back(static_cast<std::uint32_t>(i));
       continue;
     }

@@ -189,8 +189,9 @@ CheckOutcome make_check(const ModelCheck& check, std::span<const suture_model* c
   Checking checking(check, builds);
   for (const ParameterSet& set : sets) {
     const std::vector<double> times = sample_times(*builds.front(), set);
-    for (const SampleShape shape : {SampleShape::boxes, SampleShape::parallelepipeds,
-                                    SampleShape::hexahedra, SampleShape::parts}) {
+    for (const SampleShape shape :
+         {SampleShape::boxes, SampleShape::parallelepipeds, SampleShape::hexahedra,
+          SampleShape::parts, SampleShape::general_parts}) {
       SampleOptions options;
       options.set = set;
       options.shape = shape;

@@ -68,8 +68,8 @@ class Gathering {
     const Index row = instance_.table(dimension_).cells.row(cell);
     for (std::size_t c = 0; c < components_of(place); ++c)
       batch.cell_columns[i][c * SUTURE_LANES + lane] =
-          place == SUTURE_PART_COLUMN ? instance_.part_moment(row, c)
-                                      : instance_.column(place)->get(row, static_cast<int>(c));
+          is_part_column(place) ? instance_.part_column(place).get(row, c)
+                                : instance_.column(place)->get(row, static_cast<int>(c));
   }
   void add_vertex_column(std::size_t i, std::size_t lane) {
     const std::uint32_t a = functor_.vertex_columns[i];

@@ -21,6 +21,13 @@ using Rotation = std::array<Vec3, 3>;
 /// The shear of parallelepipeds.
 constexpr Rotation skew{{{1, 0.3, -0.2}, {0.1, 1, 0.25}, {-0.15, 0.2, 1}}};
 
+std::vector<HexahedronNodes> corners_of(const Mesh& mesh) {
+  std::vector<HexahedronNodes> corners(mesh.hexahedra.size());
+  for (std::size_t e = 0; e < corners.size(); ++e)
+    for (std::size_t n = 0; n < 8; ++n) corners[e][n] = mesh.points[mesh.hexahedra[e][n]];
+  return corners;
+}
+
 /// Boxes with three different edges, graded along x.
 Mesh sample_mesh(const SampleOptions& options) {
   Mesh mesh = make_box(
@@ -28,15 +35,17 @@ Mesh sample_mesh(const SampleOptions& options) {
   std::mt19937_64 random(options.seed * 3 + 1);
   for (Vec3& x : mesh.points) {
     if (options.shape != SampleShape::boxes) x = rotated(skew, x);
-    if (options.shape == SampleShape::hexahedra)
+    if (is_of_general_hexahedra(options.shape))
       for (double& c : x) c += between(random, -0.12, 0.12) * edge;
   }
-  if (options.shape == SampleShape::parts) mesh.parts = sample_parts();
   mesh.points[13][0] += options.irregular * edge;  // the node in the middle
   for (Vec3& x : mesh.points) {
     x = rotated(options.rotation, x);
     for (double& c : x) c *= options.scale;
   }
+  const bool is_general = is_of_general_hexahedra(options.shape) || options.irregular != 0;
+  if (is_of_parts(options.shape))
+    mesh.parts = is_general ? sample_parts(corners_of(mesh)) : sample_parts();
   return mesh;
 }
 
@@ -250,7 +259,7 @@ std::vector<CellBatch> SampleBody::batches(const suture_functor& functor, std::s
     batches.back().time = times[(i + static_cast<std::size_t>(options_.shape)) % times.size()];
   }
   // Small parts alone: beside others, their forces would be lost in rounding.
-  if (options_.shape == SampleShape::parts && functor.dimension == 3 && !cells.empty())
+  if (is_of_parts(options_.shape) && functor.dimension == 3 && !cells.empty())
     for (const Index cell : {Index{4}, Index{7}}) {
       batches.push_back(gather_cells(body_, instance(), functor, {&cell, 1}));
       batches.back().time = times[0];

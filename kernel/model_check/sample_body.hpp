@@ -12,9 +12,16 @@
 namespace suture {
 
 /// The rest shapes of the elements of a sample.
-enum class SampleShape { boxes, parallelepipeds, hexahedra, parts };
+enum class SampleShape { boxes, parallelepipeds, hexahedra, parts, general_parts };
 inline constexpr const char* sample_shapes[] = {"boxes", "parallelepipeds", "general hexahedra",
-                                                "parts of parallelepipeds"};
+                                                "parts of parallelepipeds",
+                                                "parts of general hexahedra"};
+inline bool is_of_parts(SampleShape shape) {
+  return shape == SampleShape::parts || shape == SampleShape::general_parts;
+}
+inline bool is_of_general_hexahedra(SampleShape shape) {
+  return shape == SampleShape::hexahedra || shape == SampleShape::general_parts;
+}
 
 /// What a check is made on: everything about a sample that is chosen.
 struct SampleOptions {

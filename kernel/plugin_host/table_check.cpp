@@ -283,7 +283,8 @@ void check_columns(const Entry& entry, const suture_model& m, const suture_funct
                    bool on_parts) {
   if (entry.array(f.cell_columns, f.cell_column_count, "cell_columns"))
     for (std::uint32_t i = 0; i < f.cell_column_count; ++i)
-      if (!on_parts || f.cell_columns[i] != SUTURE_PART_COLUMN)
+      if (!on_parts || f.cell_columns[i] != (f.shape == SUTURE_GENERAL ? SUTURE_GENERAL_PART_COLUMN
+                                                                       : SUTURE_PART_COLUMN))
         check_column(entry, m, f.cell_columns[i], f.dimension, "cell");
   if (entry.array(f.vertex_columns, f.vertex_column_count, "vertex_columns"))
     for (std::uint32_t i = 0; i < f.vertex_column_count; ++i)

@@ -338,6 +338,31 @@ struct functor_in_single<stored_hexahedra<M>> {
   using type = general_hexahedra<M>;
 };
 
+/// Those of which only a part is material: their geometry is not stored.
+template <class M>
+struct hexahedron_parts : continuum_functor<M, hexahedron_parts<M>> {
+  static constexpr const char* name = "parts of general hexahedra";
+  static constexpr std::uint32_t shape = SUTURE_GENERAL;
+  static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+  static constexpr auto cell_columns = joined(state_columns<M, 8>, columns(element_general_part));
+
+  template <int Q, class Cell, class Work>
+  static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    vec3<R> X[8];
+    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    work(general_part_geometry<R, Q>(X, read_general_part(c)));
+  }
+};
+template <class M>
+struct functor_on_parts<general_hexahedra<M>> {
+  using type = hexahedron_parts<M>;
+};
+template <class M>
+struct functor_on_parts<stored_hexahedra<M>> {
+  using type = hexahedron_parts<M>;
+};
+
 // Every Gauss point contributes to the force on every node.
 template <class M>
 inline constexpr int nodes_to_check<parallelepipeds<M>> = 1;
@@ -347,6 +372,8 @@ template <class M>
 inline constexpr int nodes_to_check<stored_hexahedra<M>> = 1;
 template <class M>
 inline constexpr int nodes_to_check<general_hexahedra<M>> = 1;
+template <class M>
+inline constexpr int nodes_to_check<hexahedron_parts<M>> = 1;
 
 /// Only points() and stores() may choose hexahedra whose geometry is not stored. A class of its
 /// own: it is needed where M, which derives from continuum<M>, is complete.

@@ -211,6 +211,7 @@ constexpr bool has_attribute(std::uint32_t place) {
 template <class M, std::uint32_t Place>
 constexpr int components_of() {
   if (Place == element_part.place) return int(SUTURE_PART_COMPONENTS);
+  if (Place == element_general_part.place) return int(SUTURE_GENERAL_PART_COMPONENTS);
   return int(attribute_at<M>(Place).components);
 }
 template <class M, std::uint32_t Place>
@@ -223,7 +224,8 @@ constexpr bool has_trial() {
 template <class M, std::size_t N>
 constexpr bool are_places_of(const std::array<std::uint32_t, N>& places) {
   for (const std::uint32_t place : places)
-    if (place != vertex_mass.place && place != element_part.place && !has_attribute<M>(place))
+    if (place != vertex_mass.place && place != element_part.place &&
+        place != element_general_part.place && !has_attribute<M>(place))
       return false;
   return true;
 }

@@ -202,6 +202,13 @@ SUTURE_INLINE part_moments<typename Cell::real> read_part(const Cell& c) {
   const auto moment = [&](int i) SUTURE_DETAIL_INLINED { return c.column(element_part, i); };
   return {moment(0), {moment(1), moment(2), moment(3)}, {moment(4), moment(5), moment(6)}};
 }
+template <class Cell>
+SUTURE_INLINE general_part<typename Cell::real> read_general_part(const Cell& c) {
+  general_part<typename Cell::real> part;
+  part.fraction = c.column(element_general_part, 0);
+  for (int i = 0; i < 12; ++i) part.more[i / 3][i % 3] = c.column(element_general_part, i + 1);
+  return part;
+}
 
 /// P at Gauss point `point` of an element with `Points`; keeps the state.
 template <class M, int Points, class Cell, class T>

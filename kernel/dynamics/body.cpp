@@ -189,6 +189,10 @@ void Body::follow(const TopologyChange& change) {
   constraints_.update(change, attributes_);
   if (contact_) contact_->follow(complex(), change);
   if (islands_) islands_->update(complex(), change);
+  if (blocks_at_rest_ && change.copies.empty())
+    blocks_at_rest_->follow(complex(), change, {attributes_.rest().rows()});
+  else
+    blocks_at_rest_.reset();
   for (Follower* follower : followers_) follower->follow(complex(), change);
 }
 
@@ -279,6 +283,11 @@ const Islands& Body::islands() {
   return *islands_;
 }
 
+const ElementBlocks& Body::blocks_at_rest() {
+  if (!blocks_at_rest_) blocks_at_rest_.emplace(complex(), Places{attributes_.rest().rows()});
+  return *blocks_at_rest_;
+}
+
 // -------------------------------------------------------------------- state --
 
 void Body::state(Archive& archive) {
@@ -286,6 +295,7 @@ void Body::state(Archive& archive) {
     attributes_.parameters(archive, complex());
     archive("complex", imported_.complex);
     archive("user vertex", user_vertex_);
+    if (archive.loads()) blocks_at_rest_.reset();
     if (attributes_.parts().may_grow()) {
       archive("copied elements", copied_element_);
       if (archive.loads()) name_copies(copied_element_);

@@ -347,7 +347,7 @@ double Dynamics::touched_inertia() const {
 
 void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
   motion_.thaw();
-  motion_.forget_forces();
+  motion_.follow(change);
   integrator_->follow(change);
   kick_changed(change);
   follow_touched(change);

@@ -80,9 +80,7 @@ class SelectionCheck {
 
   // What geometry selects is known when the event comes.
   void names(const std::optional<Selection>& where) {
-    if (where && (std::holds_alternative<Selection::Ids>(where->what) ||
-                  std::holds_alternative<Selection::Named>(where->what)))
-      attempt([&] { selector_.elements(*where); });
+    if (where && where->is_listed()) attempt([&] { selector_.elements(*where); });
   }
   void pairs(const std::string& path, const std::vector<std::array<std::uint64_t, 2>>& pairs) {
     for (std::size_t i = 0; i < pairs.size(); ++i)

@@ -263,7 +263,9 @@ void Dynamics::forget_last() {
 /// before the operation and not with those after it.
 void Dynamics::before(const ComingOperation& operation) {
   removal_.reset();
-  touched_.assign(operation.vertices.begin(), operation.vertices.end());
+  touched_.clear();
+  if (!operation.only_apart || motion_.damping() != 0)
+    touched_.assign(operation.vertices.begin(), operation.vertices.end());
   touches_all_ = !operation.only_apart && body().constraints().has_driven();
   inertia_ = touched_inertia();
   if (!operation.only_apart && ledger_.has_start()) {
@@ -370,6 +372,7 @@ void Dynamics::book_removal(const TopologyChange& change) {
 
 /// The vertices of the operation that there are now.
 void Dynamics::follow_touched(const TopologyChange& change) {
+  if (touched_.empty()) return;
   const auto before = static_cast<std::ptrdiff_t>(touched_.size());
   for (const Split& split : change.splits[0])
     if (std::binary_search(touched_.begin(), touched_.begin() + before, split.old_cell))
@@ -385,7 +388,7 @@ double Dynamics::touched_inertia() const {
 
 void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
   motion_.thaw();
-  motion_.forget_forces();
+  motion_.follow(change);
   integrator_->follow(change);
   kick_changed(change);
   follow_touched(change);

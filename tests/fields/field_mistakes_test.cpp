@@ -72,6 +72,16 @@ TEST(FieldMistakes, SayWhatTheSceneLacks) {
               HasSubstr("/solver: \"until\": \"rest\" looks at the motion alone"));
 }
 
+TEST(FieldMistakes, LawsThatChangeTheirFieldOfferTrilinearElementsAlone) {
+  EXPECT_THAT(message([&] {
+                field_scene(R"("mesh": {"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "solver":
+                    {"integrator": "implicit-euler", "dt": 1, "end": 1}, "models": [{"model":
+                    "porous", "parameters": {"mu": 1, "lambda": 1, "rho": 1, "k": 1, "element":
+                    "mean-gradient"}}])");
+              }),
+              HasSubstr("/models/0/parameters/element: must be one of 'trilinear'"));
+}
+
 TEST(FieldMistakes, ASteadyStateNeedsAPrescribedValue) {
   const Scene scene = bar(2, R"("static": {"frames": 1})", R"("fields": [{"field": "temperature",
       "flux": 1, "where": {"set": "x0"}}])");

@@ -423,11 +423,7 @@ struct continuum : model {
   template <class R>
   using added_constants_of = rest_moduli_of<R>;
   static constexpr std::array<parameter, 1> added_parameters() {
-    return {choice("element",
-                   "trilinear: the law at each Gauss point; mean-gradient: once per element, at "
-                   "the mean deformation gradient, does not lock",
-                   element_names)
-                .or_else(int(detail::default_element_of<M>()))};
+    return {detail::element_parameter<M>()};
   }
   static constexpr auto added_attributes() { return detail::attributes_of_law<M>(); }
   template <class Material>

@@ -16,6 +16,7 @@ namespace suture {
 /// The elements of continuum.hpp, and their names in a scene.
 enum class element_type { trilinear, mean_gradient };
 inline constexpr const char* element_names[] = {"trilinear", "mean-gradient"};
+inline constexpr const char* trilinear_alone[] = {"trilinear"};
 
 namespace detail {
 
@@ -99,7 +100,20 @@ constexpr element_type default_element_of() {
   if constexpr (has_default_element<M>)
     return M::default_element;
   else
-    return has_release<M> ? element_type::trilinear : element_type::mean_gradient;
+    return element_type::mean_gradient;
+}
+
+/// A law that changes its field does so at the Gauss points of trilinear elements.
+template <class M>
+constexpr parameter element_parameter() {
+  if constexpr (has_release<M>)
+    return choice("element", "The law at each Gauss point", trilinear_alone).or_else(0);
+  else
+    return choice("element",
+                  "trilinear: the law at each Gauss point; mean-gradient: once per element, at "
+                  "the mean deformation gradient, does not lock",
+                  element_names)
+        .or_else(int(default_element_of<M>()));
 }
 
 /// The parameter "element" follows those that the model declares.

@@ -14,10 +14,6 @@ namespace suture::detail {
 template <class M, class Material>
 void prepare_element(const setup& p, const Material& material, rest_moduli& moduli) {
   if (is_trilinear<M>(p)) return;
-  if constexpr (has_release<M>)
-    p.refuse("points-of-release",
-             "this law changes its field at the Gauss points of trilinear elements: remove "
-             "\"element\", or set it to \"trilinear\"");
   const lame constants = lame_at_rest<M>(material);
   if (!is_stable(constants))
     return p.refuse(

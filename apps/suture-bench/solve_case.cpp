@@ -99,7 +99,7 @@ void hold(Body& body, double part) {
     low = std::min(low, height(v));
     top = std::max(top, height(v));
   }
-  const std::vector<Index> piece = pieces_of(body.complex(), attributes.vertex_count());
+  const std::vector<Index> piece = pieces_of(body.complex(), attributes);
   const auto is_low = [&](Index v) { return height(v) <= low + (part + 1e-9) * (top - low); };
   std::vector<bool> hangs(piece.size());
   for (Index v = 0; v < piece.size(); ++v)

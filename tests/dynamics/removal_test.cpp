@@ -256,7 +256,7 @@ TEST(Removal, ColoursAndOrderHoldAfterSewing) {
   body.compile();
   CellComplex& complex = body.complex();
   const RestPlaces rest = body.attributes().rest_places(complex);
-  RowNodes nodes(instance, 1, rest);
+  RowNodes nodes(instance, instance.model().functors[0], rest);
   CompiledFunctor edges(instance, instance.model().functors[0], &nodes),
       boxes(instance, instance.model().functors[1], nullptr);
   edges.build(complex);

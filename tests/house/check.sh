@@ -67,7 +67,7 @@ include_direction() {
   offences '#include [<"](apps|plugins|tests)/' \
     'the kernel knows neither the program nor the plugins' '^kernel/.*'"$sources" || bad=1
   # Stages in the order of the flow: each may include itself and earlier ones.
-  local stages=(base plugin_host vtk hdf5 mesh topology geometry images parts attributes forces solvers fields contact dynamics spectrum implicit gradients model_check scene build operations output results steps run live)
+  local stages=(base plugin_host vtk hdf5 mesh topology geometry images parts attributes forces processes solvers fields contact dynamics spectrum implicit gradients model_check scene build operations output results steps run live)
   local i later
   for i in "${!stages[@]}"; do
     later=$(IFS='|'; echo "${stages[*]:i+1}")

@@ -155,6 +155,7 @@ DivisionTimes time_division(BenchBody& body, EmbeddedParts& parts, const PlaneBl
   const double found = now(threads);
   body.body().clone_volume(cut.cloning, cut.parts, [] {});
   const double changed = now(threads);
+  parts.refine(cut.refined);
   parts.append(cut.parts, cut.cloning.origins);
   (void)parts.embedding(body.complex());
   const double done = now(threads);

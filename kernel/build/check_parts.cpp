@@ -15,20 +15,12 @@ class PartsCheck {
   /// `by_blade`: cuts make parts.
   explicit PartsCheck(bool by_blade) : by_blade_(by_blade) {}
   void check(const Scene& scene) {
-    if (scene.contact.pieces) check_pieces(scene);
     for (const Obstacle& obstacle : scene.contact.obstacles)
       if (obstacle.coupling)
         add(obstacle.path + "/coupling",
             std::string("needs nodes that move independently of each other, and points of this "
                         "surface share theirs; remove it, so that the tool moves along its path,") +
                 or_instead());
-  }
-  /// Lips and pieces that are embedded wake nothing.
-  void check_pieces(const Scene& scene) {
-    if (scene.solver.sleep_acceleration > 0)
-      add("/contact/pieces",
-          "needs a run without sleep where the surface lies inside of elements; remove "
-          "\"sleep\" in /solver");
   }
   void throw_if_any() const {
     if (!mistakes_.empty()) throw InputError(mistakes_);

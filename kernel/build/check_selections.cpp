@@ -55,7 +55,9 @@ class SelectionCheck {
     std::vector<char> covered(selector_.element_count());
     bool known = true;
     for (const ModelUse& use : models) {
-      if (std::holds_alternative<Selection::All>(use.region.what))
+      if (use.between)
+        for (const Selection& side : *use.between) attempt([&] { selector_.elements(side); });
+      else if (std::holds_alternative<Selection::All>(use.region.what))
         std::ranges::fill(covered, 1);
       else
         known &= attempt([&] {

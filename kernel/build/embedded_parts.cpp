@@ -2,9 +2,11 @@
 #include "kernel/build/embedded_parts.hpp"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "kernel/base/archive.hpp"
 #include "kernel/parts/cube_sides.hpp"
+#include "kernel/parts/face_contacts.hpp"
 #include "kernel/topology/dart.hpp"
 
 namespace suture {
@@ -60,6 +62,60 @@ void EmbeddedParts::append(const Parts& added, std::span<const Index> origins, I
       parts_.outer_sides.push_back(std::uint8_t{parts_.outer_sides[e]});
 }
 
+void EmbeddedParts::refine(const RefinedParts& refined) {
+  if (refined.parts.elements.empty()) return;
+  has_grown_ = true;
+  is_current_ = false;
+  const auto first_point = static_cast<Index>(parts_.points.size());
+  parts_.points.insert(parts_.points.end(), refined.parts.points.begin(),
+                       refined.parts.points.end());
+  replace_tetrahedra(refined.parts, first_point);
+  const std::size_t first_triangle = parts_.triangles.size();
+  cut_of_triangle_.resize(first_triangle, none);
+  std::unordered_set<Index> replaced;
+  for (std::size_t t = 0; t < refined.sources.size(); ++t) {
+    auto corners = refined.parts.triangles[t];
+    for (Index& p : corners) p += first_point;
+    const Index source = refined.sources[t];
+    if (replaced.insert(source).second) {  // the first piece of a triangle takes its place
+      parts_.triangles[source] = corners;
+      continue;
+    }
+    parts_.triangles.push_back(corners);
+    parts_.is_cut.push_back(std::uint8_t{parts_.is_cut[source]});
+    cut_of_triangle_.push_back(Index{cut_of_triangle_[source]});
+  }
+  number_lips(first_triangle);
+}
+
+void EmbeddedParts::replace_tetrahedra(const Parts& refined, Index first_point) {
+  Parts merged;
+  merged.first.push_back(0);
+  const auto take = [&](const Parts& from, std::size_t i, Index offset) {
+    merged.elements.push_back(from.elements[i]);
+    merged.moments.push_back(from.moments[i]);
+    for (Index t = from.first[i]; t < from.first[i + 1]; ++t) {
+      auto corners = from.tetrahedra[t];
+      for (Index& p : corners) p += offset;
+      merged.tetrahedra.push_back(corners);
+    }
+    merged.first.push_back(static_cast<Index>(merged.tetrahedra.size()));
+  };
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < refined.elements.size(); ++i) {
+    const Index element = refined.elements[i];
+    for (; next < parts_.elements.size() && parts_.elements[next] < element; ++next)
+      take(parts_, next, 0);
+    if (next < parts_.elements.size() && parts_.elements[next] == element) ++next;
+    take(refined, i, first_point);
+  }
+  for (; next < parts_.elements.size(); ++next) take(parts_, next, 0);
+  parts_.elements = std::move(merged.elements);
+  parts_.moments = std::move(merged.moments);
+  parts_.tetrahedra = std::move(merged.tetrahedra);
+  parts_.first = std::move(merged.first);
+}
+
 LipTriangle EmbeddedParts::triangle(std::size_t t) const {
   const auto& [a, b, c] = parts_.triangles[t];
   return LipTriangle({parts_.points[a].at, parts_.points[b].at, parts_.points[c].at});
@@ -95,10 +151,16 @@ std::vector<Index> EmbeddedParts::cuts(const CellComplex& complex) {
   return cuts;
 }
 
-void EmbeddedParts::close(std::span<const Dart> sides) {
-  if (sides.empty()) return;
-  std::vector<Dart> closed;
-  for (const Dart side : sides) closed.push_back(side - side % 4);
+void EmbeddedParts::join(std::span<const Seam> seams) {
+  if (seams.empty()) return;
+  std::vector<Dart> sides;
+  for (const auto& [one, other] : seams) sides.insert(sides.end(), {face_of(one), face_of(other)});
+  close(std::move(sides));
+  append(FaceContacts(parts_).uncovered(seams), {});
+}
+
+/// Forgets what is open on these sides of elements.
+void EmbeddedParts::close(std::vector<Dart> closed) {
   std::ranges::sort(closed);
   std::size_t kept = 0;
   for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {

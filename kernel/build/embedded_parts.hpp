@@ -6,6 +6,8 @@
 #include "kernel/forces/follower.hpp"
 #include "kernel/parts/embedding.hpp"
 #include "kernel/parts/lip_triangle.hpp"
+#include "kernel/parts/part_materials.hpp"
+#include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/dart.hpp"
 
 namespace suture {
@@ -25,12 +27,15 @@ class EmbeddedParts final : public Follower {
   /// Adds the parts of new elements, which follow all others, and their surface. `origins`: of the
   /// new elements; `cut`: the number of the cut that makes them.
   void append(const Parts& added, std::span<const Index> origins, Index cut = none);
+  /// Elements have finer tetrahedra now. O(parts).
+  void refine(const RefinedParts& refined);
   /// A cut has laid open this side of an element.
   void open(Dart side, Index cut) { cut_of_side_[face_of(side)] = cut; }
   /// The number of the cut that has made each triangle of embedding(); none of others.
   std::vector<Index> cuts(const CellComplex& complex);
-  /// Forgets what cuts have laid open on these sides of elements.
-  void close(std::span<const Dart> sides);
+  /// Elements are joined by these seams, or will be: of their sides, the surface is what they do
+  /// not cover of each other. O(triangles).
+  void join(std::span<const Seam> seams);
   /// Saves what was appended, and the rest with it.
   void state(Archive& archive);
   /// O(parts) at first and after an operation, else free.
@@ -45,7 +50,9 @@ class EmbeddedParts final : public Follower {
   LipTriangle triangle(std::size_t t) const;
   Index cut_before(Index origin, const LipTriangle& triangle) const;
   void inherit_sides(Index first, std::span<const Index> origins);
+  void close(std::vector<Dart> sides);
   void number_lips(std::size_t first);
+  void replace_tetrahedra(const Parts& refined, Index first_point);
 
   Parts parts_;
   std::vector<Index> cut_of_triangle_;                     ///< of the parts; none: of no cut

@@ -112,6 +112,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   std::erase_if(touches_, moves);  // the forces on sleepers stay
   std::erase_if(obstacle_forces_, moves);
   step_work_ = 0;
+  moving_ = step.moving;
   find_near_obstacles(step);
   if (pieces_) find_touching_pieces(step);
   if (pairs_) find_pairs();
@@ -124,7 +125,10 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   for (std::size_t i = 0; i < near_.size(); ++i)
     book(near_[i], points_ ? std::span<PushBy>() : pushes_on(i), step);
   if (points_) book_points(step);
-  if (pairs_) book_pairs(step);
+  if (pairs_) {
+    book_pairs(step);
+    note_pairs(step);
+  }
   if (edges_) book_edges(step);
   if (points_ || edges_)
     for (const Near& near : near_) near_of_vertex_[near.vertex] = none;
@@ -355,25 +359,6 @@ void Contact::book_friction_of_pieces(const ContactStep& step) {
   }
 }
 
-// ------------------------------------------------------------------- sleepers --
-
-void Contact::change_sleepers(const LiveMask& moving) {
-  if (pieces_) pieces_->change_sleepers(moving);
-}
-
-void Contact::for_each_pushed_sleeper(const VisitPushed& visit) const {
-  if (pieces_) pieces_->for_each_pushed_sleeper(visit);
-}
-
-std::vector<Contact::Press> Contact::presses() const {
-  std::vector<Press> result;
-  if (!pieces_) return result;
-  for (const auto touches : {pieces_->touches(), pieces_->asleep()})
-    for (const PieceContact::Touch& touch : touches)
-      if (touch.impulse != 0) result.push_back({touch.vertices[0], touch.vertices[4]});
-  return result;
-}
-
 // -------------------------------------------------------------------- queries --
 
 Pose Contact::pose(std::size_t obstacle, double time) const {
@@ -442,6 +427,9 @@ void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   if (points_) {
     points_->follow();
     if (pairs_) pairs_->follow();
+    pair_presses_.clear();
+    presses_asleep_.clear();
+    pushed_sleepers_.clear();
     sides_.clear();
   } else {
     sides_.follow(complex, change);
@@ -466,6 +454,12 @@ void Contact::state(Archive& archive) {
     if (pairs_) pairs_->follow();
   }
   if (pieces_) archive("pieces", *pieces_);
+  if (pairs_) {
+    archive.rows<Index>("presses", pair_presses_);
+    archive.rows<Index>("presses of sleepers", presses_asleep_);
+    archive.member("pushed sleepers", pushed_sleepers_, &PushedSleeper::vertex);
+    archive.member("their accelerations", pushed_sleepers_, &PushedSleeper::acceleration);
+  }
   archive.member("touching", touches_, &Touch::vertex);
   archive.member("forces", touches_, &Touch::force);
   archive.member("pushed", obstacle_forces_, &ObstacleForce::vertex);

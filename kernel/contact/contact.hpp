@@ -227,6 +227,7 @@ class Contact final : public ContactLaw {
   void add_point(const ContactPoint& point);
   void book_points(const ContactStep& step);
   void book_pairs(const ContactStep& step);
+  void note_pairs(const ContactStep& step);
   void book_edges(const ContactStep& step);
   Vec3 mean_velocity(const ContactPoint& point, const ContactStep& step) const;
   void book(Near& near, std::span<const PushBy> pushes, const ContactStep& step);
@@ -256,6 +257,7 @@ class Contact final : public ContactLaw {
   std::optional<PointPairs> pairs_;
   std::size_t first_pair_ = 0;         ///< in pushed_: pairs follow what obstacles may push
   std::vector<Vec3> pair_tangential_;  ///< of the changes of pairs, m/s
+  const LiveMask* moving_ = nullptr;   ///< vertices
   std::optional<CuttingEdges> edges_;
   std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
@@ -274,6 +276,14 @@ class Contact final : public ContactLaw {
     Vec3 force;
   };
   std::vector<ObstacleForce> obstacle_forces_;
+  /// Of pieces of an embedded surface: a vertex of each, in the last step or when both fell asleep.
+  std::vector<Press> pair_presses_, presses_asleep_;
+  /// A vertex of a sleeper, and how it would be accelerated, m/s^2.
+  struct PushedSleeper {
+    Index vertex;
+    double acceleration;
+  };
+  std::vector<PushedSleeper> pushed_sleepers_;
 };
 
 template <class Visit>

@@ -38,7 +38,7 @@ const double* Contact::places_now() {
 /// After the points near obstacles.
 void Contact::find_pairs() {
   first_pair_ = pushed_.size();
-  pairs_->find();
+  pairs_->find(moving_);
   pair_tangential_.assign(pairs_->size(), {});
   for (std::size_t i = 0; i < pairs_->size(); ++i) {
     add_point((*pairs_)[i]);
@@ -47,7 +47,7 @@ void Contact::find_pairs() {
 }
 
 void Contact::add_point(const ContactPoint& point) {
-  point_masses_.emplace_back(point, attributes_);
+  point_masses_.emplace_back(point, attributes_, moving_);
   near_of_vertex_.resize(attributes_.vertex_count(), none);
   for (const Index v : point.vertices) {
     if (near_of_vertex_[v] != none) continue;
@@ -148,30 +148,51 @@ void Contact::book_pairs(const ContactStep& step) {
     if (pair_tangential_[i] == Vec3{}) continue;
     const PointMass& of = point_masses_[first_pair_ + i];
     const Vec3 mean = mean_velocity(of.point(), step);
-    double heat = 0;
-    for (std::size_t c = 0; c < 3; ++c)
-      heat -= step.work_gain * of.mass()[c] * pair_tangential_[i][c] * mean[c];
+    const double heat = -step.work_gain * dot(of.impulse(pair_tangential_[i]), mean);
     work_ += heat;
     friction_work_ -= heat;
+  }
+}
+
+/// Which pieces press on each other, and what they would do to those that sleep: by the impulse of
+/// the step, and that of the next one where a gap is about to close.
+void Contact::note_pairs(const ContactStep& step) {
+  pair_presses_.clear();
+  pushed_sleepers_.clear();
+  const auto first_vertex = [&](Index point) { return (*points_)[point].vertices[0]; };
+  for (std::size_t i = 0; i < pairs_->size(); ++i) {
+    const PointMass& of = point_masses_[first_pair_ + i];
+    const ContactPoint& point = of.point();
+    const Vec3& normal = pairs_->normal(i);
+    double impulse = dot(normal, of.impulse(pushed_[first_pair_ + i].change));
+    if (impulse != 0)
+      pair_presses_.push_back({first_vertex(pairs_->point(i)),
+                               first_vertex(points_->triangles()[pairs_->triangle(i)][0])});
+    if (step.moving->all()) continue;
+    const double gap = dot(normal, point.sum(attributes_.position().rows())),
+                 speed = dot(normal, point.sum(attributes_.velocity().rows())),
+                 closing = std::max(0.0, -std::max(gap, 0.0) / step.dt - speed);
+    impulse += dot(normal, of.impulse(scaled(closing, normal)));
+    for (std::size_t j = 0; j < point.vertices.size() && impulse != 0; ++j)
+      if (const Index v = point.vertices[j]; !(*step.moving)[v])
+        pushed_sleepers_.push_back({v, std::abs(point.weights[j]) * impulse /
+                                           (attributes_.mass().rows()[v] * step.whole_gain)});
   }
 }
 
 /// The work of the forces on vertices is booked; here, that of friction is found in it.
 void Contact::book_points(const ContactStep& step) {
   for (std::size_t i = 0; i < pushed_.size(); ++i) {
-    const ContactPoint& point = point_masses_[i].point();
-    const Vec3& mass = point_masses_[i].mass();
+    const PointMass& of = point_masses_[i];
+    const ContactPoint& point = of.point();
     const Vec3 mean = mean_velocity(point, step);
     for (const auto& [number, obstacle, push] : pushes_on(i)) {
       if (push.normal == Vec3{}) continue;
-      const auto impulse = [&](const Vec3& change) {
-        return Vec3{mass[0] * change[0], mass[1] * change[1], mass[2] * change[2]};
-      };
       const double heat =
-          -step.work_gain * dot(impulse(push.tangential), minus(mean, push.obstacle_velocity));
+          -step.work_gain * dot(of.impulse(push.tangential), minus(mean, push.obstacle_velocity));
       work_ += heat;
       friction_work_ -= heat;
-      const Vec3 on = scaled(1 / step.whole_gain, impulse(plus(push.normal, push.tangential)));
+      const Vec3 on = scaled(1 / step.whole_gain, of.impulse(plus(push.normal, push.tangential)));
       for (std::size_t j = 0; j < point.vertices.size(); ++j)
         obstacle_forces_.push_back({point.vertices[j], obstacle, scaled(point.weights[j], on)});
     }

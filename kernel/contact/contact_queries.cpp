@@ -84,4 +84,30 @@ double Contact::longest_step(double time) const {
   return step;
 }
 
+// ------------------------------------------------------------------- sleepers --
+
+void Contact::change_sleepers(const LiveMask& moving) {
+  if (pieces_) pieces_->change_sleepers(moving);
+  const auto moves = [&](const Press& press) { return moving[press[0]] || moving[press[1]]; };
+  std::erase_if(presses_asleep_, moves);
+  std::erase_if(pair_presses_, moves);
+  presses_asleep_.insert(presses_asleep_.end(), pair_presses_.begin(), pair_presses_.end());
+  pair_presses_.clear();
+}
+
+void Contact::for_each_pushed_sleeper(const VisitPushed& visit) const {
+  if (pieces_) pieces_->for_each_pushed_sleeper(visit);
+  for (const auto& [vertex, acceleration] : pushed_sleepers_) visit(vertex, acceleration);
+}
+
+std::vector<Contact::Press> Contact::presses() const {
+  std::vector<Press> result = pair_presses_;
+  result.insert(result.end(), presses_asleep_.begin(), presses_asleep_.end());
+  if (!pieces_) return result;
+  for (const auto touches : {pieces_->touches(), pieces_->asleep()})
+    for (const PieceContact::Touch& touch : touches)
+      if (touch.impulse != 0) result.push_back({touch.vertices[0], touch.vertices[4]});
+  return result;
+}
+
 }  // namespace suture

@@ -12,7 +12,7 @@
 #include "kernel/topology/islands.hpp"
 
 namespace suture {
-void PointPairs::find() {
+void PointPairs::find(const LiveMask* moving) {
   if (is_stale_) find_pieces();
   if (may_meet_ && (is_stale_ || has_moved())) find_near();
   is_stale_ = false;
@@ -24,7 +24,7 @@ void PointPairs::find() {
   for (auto first = near_.begin(); first != near_.end();) {
     const auto last = std::find_if(first, near_.end(),
                                    [&](const Near& near) { return near.point != first->point; });
-    add_nearest({first, last});
+    add_nearest({first, last}, moving);
     first = last;
   }
 }
@@ -102,7 +102,7 @@ void PointPairs::find_normals() {
 
 /// The nearest triangle that looks at the point. Lips that have just been made have the same places
 /// on both sides.
-void PointPairs::add_nearest(std::span<const Near> of_point) {
+void PointPairs::add_nearest(std::span<const Near> of_point, const LiveMask* moving) {
   const Index p = of_point.front().point;
   const Vec3 at = place(p);
   double least = max_depth_ * edge_;
@@ -113,14 +113,15 @@ void PointPairs::add_nearest(std::span<const Near> of_point) {
     if (!(size > 0) || dot(normals_[p], areas_[triangle]) > same_side * size * norm(normals_[p]))
       continue;
     const auto& [a, b, c] = points_.triangles()[triangle];
+    const Vec3 normal = scaled(1 / size, areas_[triangle]);
+    const double gap = dot(minus(at, place(a)), normal);  // no point of it is nearer
+    if (gap > margin * edge_ || std::abs(gap) >= least) continue;
     const Weights of = nearest_in(place(a), place(b), place(c), at);
     const Vec3 foot =
         plus(scaled(of.a, place(a)), plus(scaled(of.b, place(b)), scaled(of.c, place(c))));
-    const Vec3 offset = minus(at, foot), normal = scaled(1 / size, areas_[triangle]);
-    const double gap = dot(offset, normal), distance = norm(offset);
-    if (distance >= least || gap > margin * edge_ ||
-        norm(minus(offset, scaled(gap, normal))) > beside * edge_)
-      continue;
+    const Vec3 offset = minus(at, foot);
+    const double distance = norm(offset);
+    if (distance >= least || norm(minus(offset, scaled(gap, normal))) > beside * edge_) continue;
     least = distance;
     nearest = triangle;
     weights = {of.a, of.b, of.c};
@@ -133,7 +134,10 @@ void PointPairs::add_nearest(std::span<const Near> of_point) {
     if (weights[i] != 0) add(points_.triangles()[nearest][i], -weights[i]);
   double lever = 0;
   for (std::size_t i = first; i < weights_.size(); ++i) lever += std::abs(weights_[i]) / 2;
-  if (lever >= least_lever) return pairs_.push_back({first, vertices_.size(), p, towards, lever});
+  const auto moves = [&](Index v) { return !moving || (*moving)[v]; };
+  if (lever >= least_lever &&
+      std::any_of(vertices_.begin() + std::ptrdiff_t(first), vertices_.end(), moves))
+    return pairs_.push_back({first, vertices_.size(), p, nearest, towards, lever});
   vertices_.resize(first);
   weights_.resize(first);
 }
@@ -156,7 +160,7 @@ void PointPairs::add(Index point, double weight) {
 
 PointPairs::Change PointPairs::change(std::size_t i, const Vec3& offset, const Vec3& velocity,
                                       unsigned fixed, double dt) const {
-  const auto& [first, end, point, normal, lever] = pairs_[i];
+  const auto& [first, end, point, triangle, normal, lever] = pairs_[i];
   const double gap = dot(normal, offset), speed = dot(normal, velocity), before = gap - dt * speed;
   const double target =
       before < 0 ? before + std::min(-recovered * before, max_recovery * lever * edge_) : 0;

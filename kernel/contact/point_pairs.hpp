@@ -44,16 +44,18 @@ class PointPairs {
 
   /// Finds the pairs that may touch at the places of the points (SurfacePoints::positions). In each
   /// step a pass over the surface; a search when a point has moved by a quarter of an edge.
-  void find();
+  /// `moving`: vertices; pairs of which none moves are left out. Null: all.
+  void find(const LiveMask* moving = nullptr);
   std::size_t size() const { return pairs_.size(); }
   /// The offset of the point of pair i from its triangle.
   ContactPoint operator[](std::size_t i) const {
-    const auto& [first, end, point, normal, lever] = pairs_[i];
+    const auto& [first, end, point, triangle, normal, lever] = pairs_[i];
     return {static_cast<Index>(i), std::span(vertices_).subspan(first, end - first),
             std::span(weights_).subspan(first, end - first)};
   }
 
   Index point(std::size_t i) const { return pairs_[i].point; }
+  Index triangle(std::size_t i) const { return pairs_[i].triangle; }
   const Vec3& normal(std::size_t i) const { return pairs_[i].normal; }
   double friction() const { return options_.friction; }
 
@@ -88,7 +90,7 @@ class PointPairs {
   };
   struct Pair {
     std::size_t first, end;  ///< in vertices_ and weights_
-    Index point;
+    Index point, triangle;
     Vec3 normal;
     double lever;  ///< half the sum of the magnitudes of its weights; 1 without common vertices
   };
@@ -97,7 +99,7 @@ class PointPairs {
   void find_near();
   bool may_touch(Index point, Index triangle) const;
   void find_normals();
-  void add_nearest(std::span<const Near> of_point);
+  void add_nearest(std::span<const Near> of_point, const LiveMask* moving);
   void add(Index point, double weight);
   Vec3 place(Index point) const;
   Vec3 rest(Index point) const { return points_[point].sum(attributes_.rest().rows()); }

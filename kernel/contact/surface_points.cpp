@@ -72,31 +72,36 @@ bool ContactPoint::is_held(const double* held) const {
                              [&](Index v) { return static_cast<int>(held[v]) == all_held; });
 }
 
-PointMass::PointMass(const ContactPoint& point, Attributes& attributes)
-    : point_(point), attributes_(&attributes) {
-  const double *mass = attributes.mass().rows(), *fixed = attributes.fixed().rows();
+PointMass::PointMass(const ContactPoint& point, Attributes& attributes, const LiveMask* moving)
+    : point_(point), attributes_(&attributes), moving_(moving) {
+  const double* mass = attributes.mass().rows();
   for (unsigned c = 0; c < 3; ++c) {
     double free = 0, all = 0;
     for (std::size_t i = 0; i < point.vertices.size(); ++i) {
       const Index v = point.vertices[i];
       const double inverse = point.weights[i] * point.weights[i] / mass[v];
       all += inverse;
-      if ((static_cast<unsigned>(fixed[v]) >> c & 1) == 0) free += inverse;
+      if (!is_held(v, c)) free += inverse;
     }
     if (free == 0) fixed_ |= 1u << c;
     mass_[c] = 1 / (free == 0 ? all : free);
   }
 }
 
+bool PointMass::is_held(Index vertex, unsigned component) const {
+  if (moving_ && !(*moving_)[vertex]) return true;
+  return (static_cast<unsigned>(attributes_->fixed().rows()[vertex]) >> component & 1) != 0;
+}
+
 void PointMass::change(const Vec3& velocity, double dt) const {
-  const double *mass = attributes_->mass().rows(), *fixed = attributes_->fixed().rows();
+  const double* mass = attributes_->mass().rows();
   for (std::size_t i = 0; i < point_.vertices.size(); ++i) {
     const Index v = point_.vertices[i];
     const double share = point_.weights[i] / mass[v];
     double* x = attributes_->position().rows() + 4 * std::size_t{v};
     double* u = attributes_->velocity().rows() + 4 * std::size_t{v};
     for (unsigned c = 0; c < 3; ++c) {
-      if ((static_cast<unsigned>(fixed[v]) >> c & 1) != 0) continue;
+      if (is_held(v, c)) continue;
       const double by = share * mass_[c] * velocity[c];
       u[c] += by;
       x[c] += dt * by;

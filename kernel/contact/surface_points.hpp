@@ -86,18 +86,26 @@ class SurfacePoints {
 /// point, 1 / m = sum w_i^2 / m_i over those that are free in a component.
 class PointMass {
  public:
-  PointMass(const ContactPoint& point, Attributes& attributes);
+  /// `moving`: vertices; others are held. Null: all.
+  PointMass(const ContactPoint& point, Attributes& attributes, const LiveMask* moving = nullptr);
   const ContactPoint& point() const { return point_; }
   /// Bits of components in which no vertex is free.
   unsigned fixed() const { return fixed_; }
   /// By component; of a point that is fixed there, as if it were free, kg.
   const Vec3& mass() const { return mass_; }
+  /// That gives the point a change of its velocity, N s.
+  Vec3 impulse(const Vec3& change) const {
+    return {mass_[0] * change[0], mass_[1] * change[1], mass_[2] * change[2]};
+  }
   /// Changes the velocity of the point by that of its vertices, and their positions accordingly.
   void change(const Vec3& velocity, double dt) const;
 
  private:
+  bool is_held(Index vertex, unsigned component) const;
+
   ContactPoint point_;
   Attributes* attributes_;
+  const LiveMask* moving_;
   Vec3 mass_{};
   unsigned fixed_ = 0;
 };

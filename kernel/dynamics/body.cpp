@@ -246,8 +246,8 @@ TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts,
   vertices = equal.empty() ? sorted_once(std::move(vertices)) : around(std::move(vertices));
   TopologyChange done = change({vertices, false}, [&] {
     attributes_.bring_together(equal);
+    attributes_.begin_copies(complex(), parts, cloning.origins);
     TopologyChange change = complex().clone_volume(cloning);
-    attributes_.begin_copies(parts);
     is_cloned();
     return change;
   });

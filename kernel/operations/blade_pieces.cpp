@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/operations/cut_along.hpp"
 #include "kernel/parts/embedding.hpp"
@@ -15,6 +16,17 @@ namespace suture {
 namespace {
 
 constexpr double tolerance_in_edges = 0.02;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Trilinear between the heights of the nodes. On a face, those of its nodes alone decide: both
+/// sides find the same bits.
+double height_at(const std::array<double, 8>& heights, const Vec3& at) {
+  const std::array<double, 8> weights = trilinear_weights(at);
+  double height = 0;
+  for (std::size_t n = 0; n < 8; ++n)
+    if (weights[n] != 0) height += weights[n] * heights[n];
+  return height;
+}
 
 }  // namespace
 
@@ -32,24 +44,27 @@ BladePieces::BladePieces(const CellComplex& complex, const Parts& parts, const d
   find_sides();
   pieces_.reserve(4 * crossed_.size());
   for (const Index e : crossed_) divide(e);
+  refine_beside_divided();
 }
 
 /// The tolerance is one for all, so that neighbours agree: that of the shortest edge at the
 /// blade.
 void BladePieces::find_sides() {
   std::vector<Index> near;
-  double shortest = std::numeric_limits<double>::infinity();
+  double shortest = infinity;
   for (Index e = 0; e < complex_.element_count(); ++e) {
     if (!complex_.exists(3, e)) continue;
     const Hexahedron& nodes = complex_.vertices_of(e);
-    if (std::isnan(heights_[nodes[0]])) continue;  // far away, as below
-    double low = heights_[nodes[0]], high = low, sum = 0;
-    for (const Index v : nodes) {
+    double low = infinity, high = -infinity, sum = 0;
+    for (const Index v : nodes) {  // those that are not known count in the sum alone
       low = std::min(low, heights_[v]);
       high = std::max(high, heights_[v]);
       sum += heights_[v];
     }
-    if (std::isnan(sum)) continue;  // far away; it touches no divided one
+    if (std::isnan(sum)) {  // it cannot be divided, but it may be beside one that is
+      if (low < 0 && high > 0) leave_whole(e);
+      continue;
+    }
     side_[e] = high > -low ? 1 : -1;
     // Corners on a plane along a grid are beside it by rounding.
     if (std::min(high, -low) < -tolerance_in_edges * (high - low)) continue;
@@ -68,40 +83,49 @@ void BladePieces::find_sides() {
     }
     if (above && below) crossed_.push_back(e);
   }
-  materials_.find_surface(crossed_, complex_.element_count());
+  std::vector<Index> seen = crossed_;
+  seen.insert(seen.end(), undivided_.begin(), undivided_.end());
+  materials_.find_surface(seen, complex_.element_count());
 }
 
-double BladePieces::height_at(const Hexahedron& nodes, const Vec3& at) const {
-  const std::array<double, 8> weights = trilinear_weights(at);
-  double height = 0;
-  for (std::size_t n = 0; n < 8; ++n)
-    if (weights[n] != 0) height += weights[n] * heights_[nodes[n]];
-  return height;
+BladePieces::NodeHeights BladePieces::node_heights(const Hexahedron& nodes) const {
+  NodeHeights heights;
+  for (std::size_t n = 0; n < 8; ++n) heights[n] = heights_[nodes[n]];
+  return heights;
+}
+
+void BladePieces::find_point_heights(const Material& material, const NodeHeights& heights) {
+  point_heights_.clear();
+  for (const Vec3& at : material.points) point_heights_.push_back(height_at(heights, at));
+}
+
+void BladePieces::check_size(const Material& material) const {
+  if (material.tetrahedra.size() > max_fragments)
+    throw NumericalError(path_ + ": a part of an element would consist of " +
+                         std::to_string(material.tetrahedra.size()) + " tetrahedra; the limit is " +
+                         std::to_string(max_fragments) +
+                         ". Cut less often there, or use smaller elements");
 }
 
 void BladePieces::divide(Index element) {
   const Hexahedron& nodes = complex_.vertices_of(element);
   Material own;
   const Material& material = materials_.of(element, own);
-  std::vector<double>& heights = point_heights_;
-  heights.clear();
-  for (const Vec3& at : material.points) heights.push_back(height_at(nodes, at));
+  find_point_heights(material, node_heights(nodes));
+  const std::vector<double>& heights = point_heights_;
   side_[element] = static_cast<std::int8_t>(side_of(material, heights, tolerance_));
-  if (side_[element] == 0 && blade_.has_divided(element, heights_)) {
+  if (side_[element] != 0) return undivided_.push_back(element);
+  if (blade_.has_divided(element, heights_)) {
     // Its section is linear in each tetrahedron, heights are not.
     const auto [low, high] = std::ranges::minmax(heights);
     side_[element] = high > -low ? 1 : -1;
+    return leave_whole(element);
   }
-  if (side_[element] != 0) return;
   std::vector<DividedPart> found = divider_.divide(material, heights, tolerance_);
-  if (found.size() < 2 || !is_held(nodes, found)) return;
+  if (found.size() < 2 || !is_held(nodes, found)) return leave_whole(element);
   const auto first = static_cast<Index>(pieces_.size());
   for (DividedPart& part : found) {
-    if (part.material.tetrahedra.size() > max_fragments)
-      throw NumericalError(path_ + ": a part of an element would consist of " +
-                           std::to_string(part.material.tetrahedra.size()) +
-                           " tetrahedra; the limit is " + std::to_string(max_fragments) +
-                           ". Cut less often there, or use smaller elements");
+    check_size(part.material);
     BladePiece& piece = pieces_.emplace_back(BladePiece{element, part.side, std::move(part), {}});
     piece.own_triangles.emplace(piece.part.material);
   }
@@ -112,24 +136,83 @@ void BladePieces::divide(Index element) {
 /// Whether the blade holds the whole section.
 bool BladePieces::is_held(const Hexahedron& nodes, const std::vector<DividedPart>& found) const {
   if (blade_.is_endless()) return true;
+  const NodeHeights heights = node_heights(nodes);
   for (const DividedPart& part : found)
     for (const Vec3& at : part.material.points)
-      if (std::abs(height_at(nodes, at)) <= tolerance_ &&
+      if (std::abs(height_at(heights, at)) <= tolerance_ &&
           !blade_.holds(place_in(nodes, at, rows_, stride_)))
         return false;
   return true;
 }
 
-BladePieces::Range BladePieces::of(Index element) {
-  Range& range = pieces_of_[element];
-  if (range.first == none) {
-    range.first = static_cast<Index>(pieces_.size());
-    BladePiece& piece = pieces_.emplace_back(BladePiece{element, side_[element], {}, {}});
-    Material own;
-    if (materials_.is_part(element)) piece.own_triangles.emplace(materials_.of(element, own));
-    range.last = range.first + 1;
+/* A blade that ends in the body leaves elements whole that share edges and faces with divided ones.
+ * Their tetrahedra are clipped there, too, or later cuts would find other triangles on the two
+ * sides of a face. Nodes of divided elements have their heights, all others lie on the blade: the
+ * clip ends within one element.
+ *
+ *      +------+------+------+
+ *      |      |      |    / |      d: divided
+ *      +------+------+--/---+      r: refined; its lower nodes are on the blade
+ *      |  d   |  d   |/ r   |
+ *      +------+------+------+
+ */
+void BladePieces::refine_beside_divided() {
+  if (divided_.empty() || !has_rim_) return;
+  NodesByPlace divided;
+  for (const Index e : divided_)
+    for (const Index v : complex_.vertices_of(e)) divided.push_back({row(v), v});
+  sort_unique(divided);
+  std::ranges::sort(undivided_);
+  PartWriter writer(refined_.parts);
+  for (const Index e : undivided_) {
+    NodeHeights heights;
+    std::ranges::transform(complex_.vertices_of(e), heights.begin(),
+                           [&](Index v) { return rim_height(divided, v); });
+    const auto [low, high] = std::ranges::minmax(heights);
+    if (low < -tolerance_ && high > tolerance_) refine(e, heights, writer);
   }
-  return range;
+}
+
+/// That of a node of divided elements. The other parts of an element have nodes at the same places,
+/// and at another time a moving blade may have given them other heights.
+double BladePieces::rim_height(const NodesByPlace& divided, Index vertex) const {
+  const Vec3 place = row(vertex);
+  if (std::ranges::binary_search(divided, std::pair(place, vertex))) return heights_[vertex];
+  const auto other = std::ranges::lower_bound(divided, std::pair(place, Index{0}));
+  return other != divided.end() && other->first == place ? heights_[other->second] : 0;
+}
+
+void BladePieces::refine(Index element, const NodeHeights& heights, PartWriter& writer) {
+  std::vector<Index> numbers;
+  const Material material = materials_.with_surface(element, numbers);
+  find_point_heights(material, heights);
+  const RefinedMaterial refined = divider_.refine(material, point_heights_, tolerance_);
+  if (refined.material.tetrahedra.size() == material.tetrahedra.size()) return;
+  check_size(refined.material);
+  const Index first = writer.add_volume(element, refined.material);
+  for (std::size_t t = 0; t < refined.sources.size(); ++t) {
+    writer.add_triangle(first, refined.material.triangles[t], refined.material.is_cut[t] != 0);
+    refined_.sources.push_back(numbers[refined.sources[t]]);
+  }
+  writer.end_copy(element, materials_.moments_of(element));
+  add_whole(element);
+  pieces_.back().own_triangles.emplace(refined.material);
+}
+
+BladePieces::Range BladePieces::of(Index element) {
+  if (pieces_of_[element].first == none) {
+    add_whole(element);
+    Material own;
+    if (materials_.is_part(element))
+      pieces_.back().own_triangles.emplace(materials_.of(element, own));
+  }
+  return pieces_of_[element];
+}
+
+void BladePieces::add_whole(Index element) {
+  const auto piece = static_cast<Index>(pieces_.size());
+  pieces_.push_back({element, side_[element], {}, {}});
+  pieces_of_[element] = {piece, piece + 1};
 }
 
 bool BladePieces::holds_face(Index element, int face) const {

@@ -7,6 +7,7 @@
 
 #include "kernel/operations/blade.hpp"
 #include "kernel/parts/part_materials.hpp"
+#include "kernel/parts/part_writer.hpp"
 #include "kernel/parts/side_triangles.hpp"
 
 namespace suture {
@@ -51,12 +52,27 @@ class BladePieces {
   bool holds_face(Index element, int face) const;
   /// Above the blade, by vertex, m; NaN: far from it. No longer here afterwards.
   std::vector<double> take_heights() { return std::move(heights_); }
+  /// Elements beside divided ones that are left whole, in tetrahedra that fit to theirs. No longer
+  /// here afterwards.
+  RefinedParts take_refined() { return std::move(refined_); }
 
  private:
+  using NodeHeights = std::array<double, 8>;
+  using NodesByPlace = std::vector<std::pair<Vec3, Index>>;
   void find_sides();
+  NodeHeights node_heights(const Hexahedron& nodes) const;
+  void find_point_heights(const Material& material, const NodeHeights& heights);
+  void check_size(const Material& material) const;
   void divide(Index element);
+  void refine_beside_divided();
+  double rim_height(const NodesByPlace& divided, Index vertex) const;
+  void refine(Index element, const NodeHeights& heights, PartWriter& writer);
+  void add_whole(Index element);
+  void leave_whole(Index element) {
+    undivided_.push_back(element);
+    has_rim_ = true;
+  }
   bool is_held(const Hexahedron& nodes, const std::vector<DividedPart>& found) const;
-  double height_at(const Hexahedron& nodes, const Vec3& at) const;
   Vec3 row(Index vertex) const {
     const double* x = rows_ + stride_ * vertex;
     return {x[0], x[1], x[2]};
@@ -72,10 +88,13 @@ class BladePieces {
   double tolerance_ = 0;  ///< m
   std::vector<std::int8_t> side_;
   std::vector<Index> crossed_, divided_;
+  std::vector<Index> undivided_;  ///< of those whose nodes are on both sides
+  bool has_rim_ = false;          ///< the material of one of these may be, too
   Divider divider_;
   std::vector<double> point_heights_;  ///< of the element that is divided, by point
   std::vector<Range> pieces_of_;       ///< by element
   std::vector<BladePiece> pieces_;
+  RefinedParts refined_;
 };
 
 }  // namespace suture

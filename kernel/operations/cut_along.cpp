@@ -55,6 +55,7 @@ class Cutter {
     find_cut_faces();
     resolve_ties();
     result_.heights = pieces_.take_heights();
+    result_.refined = pieces_.take_refined();
     return std::move(result_);
   }
 

@@ -6,6 +6,7 @@
 
 #include "kernel/mesh/parts.hpp"
 #include "kernel/operations/blade.hpp"
+#include "kernel/parts/part_materials.hpp"
 
 namespace suture {
 
@@ -21,6 +22,7 @@ struct BladeCut {
   Cloning cloning;
   /// The parts of the copies, in their numbers, and the surface that they bring.
   Parts parts;
+  RefinedParts refined;         ///< elements that stay
   Index divided = 0;            ///< elements
   std::vector<Seam> seams;      ///< of copies that were tied, in the new numbers
   std::vector<Tie> ties;        ///< afterwards, in the new numbers

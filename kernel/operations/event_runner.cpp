@@ -174,13 +174,16 @@ struct EventRunner::Call {
         warn_once(" sewed no face: " + why_none(sew));
       return outcome;
     }
-    const TopologyChange change = built.body().sew(seams);
-    outcome.faces_sewn = change.faces_sewn;
+    outcome.faces_sewn = sew_now(seams).faces_sewn;
     for (const Seam& seam : seams)
       outcome.faces.push_back({element_of(seam.one), element_of(seam.other)});
     return outcome;
   }
 
+  TopologyChange sew_now(const std::vector<Seam>& seams) const {
+    if (built.is_embedded()) built.embedded_parts().join(seams);
+    return built.body().sew(seams);
+  }
   Index sew_divided(const SewFaces& sew) const;
   std::vector<Seam> seams_of(const SewFaces& sew) const;
 
@@ -256,9 +259,10 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
   open_sides(cut.cloning.cut);
   built.body().clone_volume(cut.cloning, cut.parts, [&] {
+    built.embedded_parts().refine(cut.refined);
     built.embedded_parts().append(cut.parts, cut.cloning.origins, cut_number());
   });
-  if (!cut.seams.empty()) built.body().sew(cut.seams);
+  if (!cut.seams.empty()) sew_now(cut.seams);
   return outcome;
 }
 
@@ -270,12 +274,12 @@ Index EventRunner::Call::sew_divided(const SewFaces& sew) const {
   if (groups.empty()) return 0;
   const Reunion reunion = reunite(body.complex(), built.parts(), body.user_vertex(), groups);
   body.clone_volume(reunion.cloning, reunion.parts, [&] {
-    built.embedded_parts().close(reunion.joined);
     built.embedded_parts().append(reunion.parts, reunion.cloning.origins);
+    built.embedded_parts().join(reunion.cloning.seams);
   });
   SeamBatch batch(body.complex());
   for (const Seam& seam : reunion.seams) batch.add(seam, naming());
-  if (!batch.seams().empty()) body.sew(batch.seams());
+  if (!batch.seams().empty()) sew_now(batch.seams());
   return static_cast<Index>(groups.size());
 }
 
@@ -478,10 +482,10 @@ void EventRunner::roll_back(double time) {
 void EventRunner::state(Archive& archive) {
   std::span states = states_;
   archive.each("events", states, [](Archive& each, State& state) {
-    each("came", state.has_fired);
+    each("has fired", state.has_fired);
     each("had effect", state.had_effect);
     each("last", state.last);
-    each("told misfits", state.reported_misfits);
+    each("reported misfits", state.reported_misfits);
     if (state.tear) each("tear", *state.tear);
     if (state.sheet) each("sheet", *state.sheet);
     if (state.blade && !state.sheet) each("blade", *state.blade);

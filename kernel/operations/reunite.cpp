@@ -6,6 +6,7 @@
 #include <optional>
 #include <tuple>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "kernel/operations/seam_batch.hpp"
 #include "kernel/parts/lip_triangle.hpp"
@@ -24,7 +25,7 @@
 //   sides      The sides of elements with the same points of the user's mesh have been one face.
 //   touches    Those whose material overlaps, of which one belongs to a group, may be joined.
 //   joints     Each side is joined once: the largest contact first.
-//   surface    Lips that a and b have in common vanish; what nothing covers at a joint is shown.
+//   surface    Lips that a and b have in common vanish.
 
 namespace suture {
 namespace {
@@ -157,13 +158,11 @@ class Uniter {
     const auto side_after = [&](Dart dart) { return face_of(after_dart(dart)); };
     for (const auto& [seam, area] : contacts_) {
       const Dart one = side_after(seam.one), other = side_after(seam.other);
-      if (joints_.contains(one) || joints_.contains(other)) continue;
-      joints_[one] = other;
-      joints_[other] = one;
+      if (joined_.contains(one) || joined_.contains(other)) continue;
+      joined_.insert({one, other});
       const Seam joint{after_dart(seam.one), after_dart(seam.other)};
       const bool was_joined = complex_.beta3(origin_of(joint.one)) == origin_of(joint.other);
       (was_joined ? result_.cloning.seams : result_.seams).push_back(joint);
-      if (!is_member(element_of(seam.other))) result_.joined.push_back(seam.other);
     }
   }
   /// The dart of the origin of a copy, or the dart itself.
@@ -182,19 +181,40 @@ class Uniter {
     const Index copy = complex_.element_count() + static_cast<Index>(copy_number);
     std::vector<Material> materials(group.size());
     for (std::size_t i = 0; i < group.size(); ++i) materials_.of(group[i], materials[i]);
+    const Material together = united(materials);
+    const Index first = writer_.add_volume(copy, together);
+    for (std::size_t t = 0; t < together.triangles.size(); ++t)
+      writer_.add_triangle(first, together.triangles[t], together.is_cut[t] != 0);
     MomentSum sum;
-    for (const Material& material : materials) {
-      const Index first = writer_.add_volume(copy, material);
-      const auto& x = material.points;
-      for (const auto& [a, b, c, d] : material.tetrahedra) sum.add({x[a], x[b], x[c], x[d]});
-      for (std::size_t t = 0; t < material.triangles.size(); ++t)
-        if (material.is_cut[t] == 0 || !has_lip_before(material, t, materials))
-          writer_.add_triangle(first, material.triangles[t], material.is_cut[t] != 0);
-    }
+    const auto& x = together.points;
+    for (const auto& [a, b, c, d] : together.tetrahedra) sum.add({x[a], x[b], x[c], x[d]});
     writer_.end_copy(copy, sum.moments());
-    for (const Dart side : sides_of(copy)) show_uncovered(group, side);
   }
 
+  /// One material of all, without the lips that they have in common. What is at the same place is
+  /// one point: where a lip ends, the others go on.
+  static Material united(std::span<const Material> materials) {
+    Material result;
+    std::map<Vec3, Index> number_at;
+    for (const Material& material : materials) {
+      const auto number = [&](Index p) {
+        const Vec3& at = material.points[p];
+        const auto [known, is_new] =
+            number_at.try_emplace(at, static_cast<Index>(result.points.size()));
+        if (is_new) result.points.push_back(at);
+        return known->second;
+      };
+      for (const auto& [a, b, c, d] : material.tetrahedra)
+        result.tetrahedra.push_back({number(a), number(b), number(c), number(d)});
+      for (std::size_t t = 0; t < material.triangles.size(); ++t) {
+        if (material.is_cut[t] != 0 && has_lip_before(material, t, materials)) continue;
+        const auto& [a, b, c] = material.triangles[t];
+        result.triangles.push_back({number(a), number(b), number(c)});
+        result.is_cut.push_back(std::uint8_t{material.is_cut[t]});
+      }
+    }
+    return result;
+  }
   static LipTriangle lip(const Material& material, std::size_t t) {
     const auto& [a, b, c] = material.triangles[t];
     return LipTriangle({material.points[a], material.points[b], material.points[c]});
@@ -211,34 +231,6 @@ class Uniter {
     return false;
   }
 
-  /// The elements of which one consists.
-  std::span<const Index> members(const Index& element) const {
-    if (element < complex_.element_count()) return {&element, 1};
-    return groups_[group_of_copy_[element - complex_.element_count()]];
-  }
-
-  /// What lies open on both sides of a joint.
-  void show_uncovered(std::span<const Index> group, Dart side) {
-    const auto joint = joints_.find(side);
-    if (joint == joints_.end()) return;
-    const Index other = element_of(joint->second);
-    const unsigned here = cube_side_of(side), there = cube_side_of(joint->second);
-    show(element_of(side), group, here, members(other), there);
-    if (other < complex_.element_count() && materials_.is_part(other))
-      show(other, {&other, 1}, there, group, here);
-  }
-  void show(Index element, std::span<const Index> of, unsigned side, std::span<const Index> behind,
-            unsigned other_side) {
-    for (const Index e : of)
-      for (const SideTriangle& triangle : faces_.triangles_of(e)[side]) {
-        const auto covers = [&](Index b) {
-          return is_covered(triangle, faces_.triangles_of(b)[other_side]);
-        };
-        if (std::ranges::any_of(behind, covers)) continue;
-        writer_.add_open_triangle(element, triangle.places(cube_sides[side]));
-      }
-  }
-
   const CellComplex& complex_;
   const Parts& parts_;
   PartMaterials materials_;
@@ -249,26 +241,12 @@ class Uniter {
   std::vector<std::size_t> group_of_copy_;
   std::unordered_map<FacePoints, std::vector<Dart>, HashOfPoints> sides_;
   std::vector<SideContact> contacts_;
-  std::unordered_map<Dart, Dart> joints_;  ///< first darts of sides, both ways
+  std::unordered_set<Dart> joined_;  ///< first darts of sides
   Reunion result_;
   PartWriter writer_;  ///< of the result
 };
 
 }  // namespace
-
-const SideTriangles& FaceContacts::triangles_of(Index element) const {
-  if (!materials_.is_part(element)) return SideTriangles::of_full_element();
-  const auto known = triangles_.find(element);
-  if (known != triangles_.end()) return known->second;
-  Material own;
-  return triangles_.emplace(element, SideTriangles(materials_.of(element, own))).first->second;
-}
-
-double FaceContacts::area(const Seam& seam) const {
-  const auto mine = triangles_of(element_of(seam.one))[cube_side_of(seam.one)],
-             theirs = triangles_of(element_of(seam.other))[cube_side_of(seam.other)];
-  return covered(mine, theirs).area + covered(theirs, mine).area;
-}
 
 std::vector<std::vector<Index>> divided_groups(const CellComplex& complex,
                                                std::span<const Index> origin,

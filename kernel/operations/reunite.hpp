@@ -2,11 +2,9 @@
 #pragma once
 
 #include <span>
-#include <unordered_map>
 #include <vector>
 
-#include "kernel/parts/part_materials.hpp"
-#include "kernel/parts/side_triangles.hpp"
+#include "kernel/parts/face_contacts.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
@@ -17,8 +15,6 @@ struct Reunion {
   Cloning cloning;          ///< each copy absorbs the other elements of its group
   Parts parts;              ///< of the copies, in their numbers
   std::vector<Seam> seams;  ///< still to be sewn, in the new numbers; each is possible on its own
-  /// Sides of elements that stay, on which the surface is no longer what it was.
-  std::vector<Dart> joined;
   bool empty() const { return cloning.origins.empty(); }
 };
 
@@ -27,20 +23,6 @@ struct Reunion {
 std::vector<std::vector<Index>> divided_groups(const CellComplex& complex,
                                                std::span<const Index> origin,
                                                const std::vector<std::uint8_t>& is_wanted);
-
-/// The contact of elements at faces, at rest.
-class FaceContacts {
- public:
-  /// `parts` must outlive this.
-  explicit FaceContacts(const Parts& parts) : materials_(parts) {}
-  const SideTriangles& triangles_of(Index element) const;
-  /// Twice the area, in the reference cube, that covers each other.
-  double area(const Seam& seam) const;
-
- private:
-  PartMaterials materials_;
-  mutable std::unordered_map<Index, SideTriangles> triangles_;
-};
 
 /// Each group of divided_groups() becomes one element again, whose material is that of all of them;
 /// it takes the values of the largest. At a face, it is joined to what touches it there; if that

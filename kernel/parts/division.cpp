@@ -53,6 +53,9 @@ Triangle points_of(const std::vector<Fragment>& fragments, Index face) {
 /// Clips tetrahedra. New points are on the edges of old ones.
 class Divider::Clipping {
  public:
+  std::vector<Vec3> points;
+  std::vector<Fragment> fragments;
+
   void clip(const Material& material, std::span<const double> heights, double tolerance) {
     points = material.points;
     old_points_ = static_cast<Index>(points.size());
@@ -64,6 +67,19 @@ class Divider::Clipping {
     for (Index t = 0; t < material.tetrahedra.size(); ++t) clip(material.tetrahedra[t], t);
   }
 
+  /// The face of its parent on which a face of a fragment lies: one of the material's surface.
+  Triangle face_before(Index face, const Material& material) const {
+    const Tetrahedron& parent = material.tetrahedra[fragments[face / 4].parent];
+    unsigned corners = 0;
+    for (const Index p : points_of(fragments, face)) corners |= support(p, parent);
+    Triangle before{};
+    std::size_t n = 0;
+    for (unsigned i = 0; i < 4 && n < 3; ++i)
+      if (corners >> i & 1) before[n++] = parent[i];
+    return before;
+  }
+
+ private:
   /// Which corners of a tetrahedron a point lies between, one bit each.
   unsigned support(Index point, const Tetrahedron& parent) const {
     const auto bit = [&](Index old) {
@@ -74,10 +90,6 @@ class Divider::Clipping {
     return bit(crossing.low) | bit(crossing.high);
   }
 
-  std::vector<Vec3> points;
-  std::vector<Fragment> fragments;
-
- private:
   struct Crossing {
     Index low, high;
   };
@@ -246,24 +258,24 @@ class OldSurface {
     for (std::size_t t = 0; t < material.triangles.size(); ++t) {
       Triangle points = material.triangles[t];
       std::ranges::sort(points);
-      triangles_.push_back({points, material.is_cut[t]});
+      triangles_.push_back({points, static_cast<Index>(t)});
     }
-    std::ranges::sort(triangles_, {}, &Marked::points);
+    std::ranges::sort(triangles_, {}, &Numbered::points);
   }
   bool empty() const { return triangles_.empty(); }
-  /// Whether a blade made the triangle.
-  bool is_cut(Triangle points) const {
+  /// The number of the triangle with these points, or none.
+  Index triangle(Triangle points) const {
     std::ranges::sort(points);
-    const auto at = std::ranges::lower_bound(triangles_, points, {}, &Marked::points);
-    return at != triangles_.end() && at->points == points && at->is_cut != 0;
+    const auto at = std::ranges::lower_bound(triangles_, points, {}, &Numbered::points);
+    return at != triangles_.end() && at->points == points ? at->number : none;
   }
 
  private:
-  struct Marked {
+  struct Numbered {
     Triangle points;
-    std::uint8_t is_cut;
+    Index number;
   };
-  std::vector<Marked> triangles_;
+  std::vector<Numbered> triangles_;
 };
 
 }  // namespace
@@ -361,18 +373,11 @@ class Divider::PartBuilder {
     material.is_cut.push_back(is_cut ? 1 : 0);
   }
 
-  /// Whether a face on the surface of the material before was made by a blade: it is a piece of a
-  /// face of the fragment's parent.
+  /// Whether a face on the surface of the material before was made by a blade.
   bool was_cut(Index face) const {
     if (old_surface_.empty()) return false;
-    const Tetrahedron& parent = material_->tetrahedra[fragment(face).parent];
-    unsigned support = 0;
-    for (const Index p : points_of(face)) support |= clipping_->support(p, parent);
-    Triangle points{};
-    std::size_t n = 0;
-    for (unsigned i = 0; i < 4 && n < 3; ++i)
-      if (support >> i & 1) points[n++] = parent[i];
-    return old_surface_.is_cut(points);
+    const Index before = old_surface_.triangle(clipping_->face_before(face, *material_));
+    return before != none && material_->is_cut[before] != 0;
   }
 
   const Material* material_ = nullptr;
@@ -418,6 +423,29 @@ std::vector<DividedPart> Divider::divide(const Material& material,
   clipping_->clip(material, heights, tolerance);
   faces_->find(clipping_->fragments);
   return parts_->build(material, *clipping_, *faces_);
+}
+
+RefinedMaterial Divider::refine(const Material& material, const std::vector<double>& heights,
+                                double tolerance) {
+  clipping_->clip(material, heights, tolerance);
+  const std::vector<Fragment>& fragments = clipping_->fragments;
+  RefinedMaterial refined;
+  refined.material.points = clipping_->points;
+  for (const Fragment& fragment : fragments)
+    refined.material.tetrahedra.push_back(fragment.corners);
+  if (material.triangles.empty()) return refined;
+  faces_->find(fragments);
+  OldSurface before;
+  before.take(material);
+  for (Index face = 0; face < 4 * fragments.size(); ++face) {
+    if (faces_->mate(face) != none) continue;
+    const Index source = before.triangle(clipping_->face_before(face, material));
+    if (source == none) continue;
+    refined.material.triangles.push_back(points_of(fragments, face));
+    refined.material.is_cut.push_back(std::uint8_t{material.is_cut[source]});
+    refined.sources.push_back(source);
+  }
+  return refined;
 }
 
 }  // namespace suture

@@ -47,6 +47,12 @@ struct DividedPart {
 /// point; those of at most `tolerance` are on it.
 int side_of(const Material& material, const std::vector<double>& heights, double tolerance);
 
+/// A material in finer tetrahedra.
+struct RefinedMaterial {
+  Material material;
+  std::vector<Index> sources;  ///< by triangle: the one of the material before in which it lies
+};
+
 /// Divides materials one after the other, in memory that it keeps.
 class Divider {
  public:
@@ -57,6 +63,10 @@ class Divider {
   /// order of their first tetrahedra. About 2 us for a full element.
   std::vector<DividedPart> divide(const Material& material, const std::vector<double>& heights,
                                   double tolerance);
+  /// Clips a material in the same way, but leaves it in one piece. Its triangles may lie on sides
+  /// of the cube, too.
+  RefinedMaterial refine(const Material& material, const std::vector<double>& heights,
+                         double tolerance);
 
  private:
   class Clipping;

@@ -69,16 +69,40 @@ const Material& PartMaterials::of(Index element, Material& own) const {
   for (const auto& [a, b, c, d] : tetrahedra)
     own.tetrahedra.push_back({add(a), add(b), add(c), add(d)});
   const auto number_of = [&](Index p) { return p < low || p > high ? none : number[p - low]; };
-  const auto same = std::pair(element, Index{0});
-  for (auto at = std::ranges::lower_bound(triangles_, same);
-       at != triangles_.end() && at->first == element; ++at) {
-    const auto& [a, b, c] = parts_.triangles[at->second];
+  for (const auto& [e, t] : triangles_of(element)) {
+    const auto& [a, b, c] = parts_.triangles[t];
     const Triangle corners{number_of(a), number_of(b), number_of(c)};
     if (std::ranges::find(corners, none) != corners.end()) continue;
     own.triangles.push_back(corners);
-    own.is_cut.push_back(parts_.is_cut.empty() ? 0 : std::uint8_t{parts_.is_cut[at->second]});
+    own.is_cut.push_back(is_cut(t));
   }
   return own;
+}
+
+std::span<const std::pair<Index, Index>> PartMaterials::triangles_of(Index element) const {
+  const auto first =
+      std::lower_bound(triangles_.begin(), triangles_.end(), std::pair(element, Index{0}));
+  const auto last = std::lower_bound(first, triangles_.end(), std::pair(element + 1, Index{0}));
+  return {first, last};
+}
+
+Material PartMaterials::with_surface(Index element, std::vector<Index>& numbers) const {
+  Material own;
+  Material material = of(element, own);
+  material.triangles.clear();
+  material.is_cut.clear();
+  numbers.clear();
+  for (const auto& [e, t] : triangles_of(element)) {
+    Triangle corners = parts_.triangles[t];
+    for (Index& corner : corners)
+      corner = static_cast<Index>(std::ranges::find(material.points, parts_.points[corner].at) -
+                                  material.points.begin());
+    if (std::ranges::max(corners) == material.points.size()) continue;
+    material.triangles.push_back(corners);
+    material.is_cut.push_back(is_cut(t));
+    numbers.push_back(t);
+  }
+  return material;
 }
 
 }  // namespace suture

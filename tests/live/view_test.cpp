@@ -169,26 +169,28 @@ TEST_F(View, CutsAlongBladesWithoutAnEventThatDoes) {
   expect_same_bits(second);
 }
 
-constexpr const char* sleeping_bar = R"({
+constexpr const char* bar_and_tool = R"({
   "suture": 1,
   "mesh": {"box": {"size": [1, 0.2, 0.2], "cells": [10, 3, 3]}},
   "models": [{"model": "tm-faure", "parameters": {"E": 4e5, "nu": 0.3, "rho": 1000}}],
   "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
-  "contact": {"pieces": true},
-  "solver": {"end": 100, "sleep": {"acceleration": 1e-9, "velocity": 1e-9}}
+  "contact": {"obstacles": [{"name": "tool", "sphere": {"centre": [0.5, 1, 0.1], "radius": 0.1},
+    "path": [{"at": 0}],
+    "coupling": {"mass": 1, "stiffness": 1}}]},
+  "solver": {"end": 100}
 })";
 
-class Sleeping : public View {
+class BesideATool : public View {
  protected:
-  Sleeping() : View(sleeping_bar) {}
+  BesideATool() : View(bar_and_tool) {}
 };
 
-TEST_F(Sleeping, CannotBeCutAlongABlade) {
+TEST_F(BesideATool, CannotBeCutAlongABlade) {
   step(10);
   page.send(
       R"({"do":"apply","event":{"cut":{"along":"blade","plane":{"point":[0.31,0,0],"normal":[1,0,0]}}}})");
   EXPECT_THAT(page.until("error")["error"],
-              HasSubstr("/contact/pieces: needs a run without sleep"));
+              HasSubstr("/contact/obstacles/0/coupling: needs nodes that move independently"));
   page.send(R"({"do":"apply","event":{"cut":{"plane":{"point":[0.31,0,0],"normal":[1,0,0]}}}})");
   while (page.until("message")["message"].get<std::string>().find("2 islands") == std::string::npos)
     continue;

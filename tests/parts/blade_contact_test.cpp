@@ -3,7 +3,10 @@
 // Contact of bodies that are cut along blades: lips touch what the rest of the surface does.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "kernel/base/rows.hpp"
 #include "kernel/base/vec3.hpp"
@@ -112,6 +115,52 @@ TEST(BladeContact, PiecesRestOnATableWithTheirWeight) {
       EXPECT_LT(std::abs(e.balance), 0.003 * e.exchanged) << law;
     }
   }
+}
+
+/// The numbers of islands asleep that a run reports.
+struct Asleep : Observer {
+  void on_message(const std::string& text) override {
+    const auto at = text.find(" s: ");
+    if (text.find("asleep") != std::string::npos) numbers.push_back(std::stoi(text.substr(at + 4)));
+  }
+  std::vector<int> numbers;
+};
+
+/// The half that leans on the other one is lifted, and falls on it while it sleeps.
+Scene falling_half() {
+  Scene scene = slab();
+  scene.events[0].at = 0;
+  scene.contact.pieces = true;
+  scene.solver.sleep_acceleration = 0.02;
+  scene.solver.sleep_velocity = 1e-3;
+  scene.solver.end = 24;
+  return scene;
+}
+
+void lift(SlabRun& run, double height) {
+  Body& body = run.simulation.built().body();
+  run.simulation.change_motion([&](Attributes& a) {
+    for (Index v = 0; v < a.vertex_count(); ++v)
+      if (body.islands().of(body.complex().dart_of(0, v) / 24) == 1)
+        a.position().set(v, 2, a.position().get(v, 2) + height);
+  });
+}
+
+TEST(BladeContact, AHalfThatFallsOnASleepingOneWakesIt) {
+  SlabRun run(falling_half());
+  Asleep listener;
+  run.simulation.run_to(0.01, listener);
+  ASSERT_EQ(run.islands(), 2u);
+  lift(run, 5);
+  run.simulation.run_to(7, listener);
+  ASSERT_FALSE(listener.numbers.empty());
+  EXPECT_EQ(listener.numbers.back(), 1);
+  const double weight = 2 * run.total_mass();
+  run.simulation.run_to(24, listener);
+  EXPECT_EQ(listener.numbers.back(), 2) << "both sleep, each on the other";
+  EXPECT_NE(std::ranges::find(listener.numbers, 0), listener.numbers.end()) << "it has woken";
+  EXPECT_FALSE(run.simulation.contact()->presses().empty());
+  EXPECT_NEAR(run.simulation.contact()->loads()[0].force[2], -weight, 0.02 * weight);
 }
 
 /// A bar that is held at both ends; a plate 0.8 m thick goes down through it, behind its edge.

@@ -13,6 +13,9 @@
 #include "kernel/build/embedded_parts.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/operations/cut_along.hpp"
+#include "kernel/operations/match_faces.hpp"
+#include "kernel/operations/reunite.hpp"
+#include "kernel/operations/seam_batch.hpp"
 #include "kernel/parts/lattice.hpp"
 #include "kernel/topology/islands.hpp"
 
@@ -25,7 +28,11 @@ struct CutBox {
   EmbeddedParts parts{Parts{}};
   Islands islands;
 
+  std::vector<Index> origin, point;  ///< of elements and vertices, before all operations
+
   explicit CutBox(std::array<Index, 3> cells) : complex(imported(cells, rows)), islands(complex) {
+    for (Index e = 0; e < complex.element_count(); ++e) origin.push_back(e);
+    for (Index v = 0; v < rows.size(); ++v) point.push_back(v);
     complex.require_edges();
     complex.require_faces();
     parts.let_grow(complex);
@@ -47,10 +54,37 @@ struct CutBox {
     BladeCut cut = cut_along(complex, parts.parts(), rows[0].data(), blade, "/events/0", 3);
     if (cut.empty()) return cut;
     const TopologyChange change = complex.clone_volume(cut.cloning);
-    for (const Split& split : change.splits[0]) rows.push_back(Vec3(rows[split.old_cell]));
+    parts.refine(cut.refined);
     parts.append(cut.parts, cut.cloning.origins);
-    islands.update(complex, change);
+    follow(change);
+    if (!cut.seams.empty()) sew(cut.seams);
     return cut;
+  }
+  /// Makes one of all parts of an element that are wanted.
+  void sew_parts(const std::vector<std::uint8_t>& is_wanted) {
+    const Reunion reunion =
+        reunite(complex, parts.parts(), point, divided_groups(complex, origin, is_wanted));
+    const TopologyChange change = complex.clone_volume(reunion.cloning);
+    parts.append(reunion.parts, reunion.cloning.origins);
+    parts.join(reunion.cloning.seams);
+    follow(change);
+    sew(reunion.seams);
+  }
+  void sew(const std::vector<Seam>& seams) {
+    SeamBatch batch(complex);
+    for (const Seam& seam : seams) EXPECT_FALSE(batch.add(seam));
+    parts.join(batch.seams());
+    follow(complex.sew(batch.seams()));
+  }
+  void remove(const std::vector<Index>& elements) { follow(complex.pierce(elements)); }
+  void follow(const TopologyChange& change) {
+    for (const Split& split : change.splits[0]) {
+      rows.push_back(Vec3(rows[split.old_cell]));
+      point.push_back(Index{point[split.old_cell]});
+    }
+    for (const Split& copy : change.copies) origin.push_back(Index{origin[copy.old_cell]});
+    islands.update(complex, change);
+    parts.follow(complex, change);
   }
 
   const PartMoments* part(Index element) const {

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Scenes of bodies that are made from a surface: selections, frames, what is refused.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/parts/part_materials.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/results/evidence.hpp"
+#include "kernel/run/simulation.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/open_scene.hpp"
 
@@ -20,14 +25,18 @@ using test::error_of;
 
 constexpr double radius = 1;
 
+PluginHost& plugins() {
+  static PluginHost host;
+  return host;
+}
+
 /// A ball around (3, 0, 0) of elements of 0.2 m, held below z = -0.7 m.
 Scene ball() {
-  static PluginHost plugins;
   Scene scene;
   test::fill(scene, test::sphere_surface({3, 0, 0}, radius, 4), 0.2);
   ModelUse use;
   use.name = "tm-faure";
-  use.model = &plugins.model("tm-faure");
+  use.model = &plugins().model("tm-faure");
   for (std::uint32_t p = 0; p < use.model->parameter_count; ++p)
     use.parameters.push_back(use.model->parameters[p].default_value);
   scene.models.push_back(use);
@@ -179,6 +188,110 @@ TEST(FilledScene, EvidenceShowsTheMaterialOnlyToo) {
     EXPECT_TRUE(is_in(text, "NumberOfPoints", frame.points.size())) << file;
     EXPECT_TRUE(is_in(text, "NumberOfCells", frame.hexahedra.size() + frame.tetrahedra.size()));
   }
+}
+
+/// What comes of a body from a surface: an error, or the volume after some steps in free fall.
+std::string outcome_of(const TriangleSurface& surface, double edge,
+                       std::vector<Event> events = {}) {
+  Scene scene = ball();
+  test::fill(scene, surface, edge);
+  scene.constraints.clear();
+  scene.gravity = {0, 0, -1};
+  ModelUse& use = scene.models[0];
+  for (std::uint32_t p = 0; p < use.model->parameter_count; ++p) {
+    const std::string name = use.model->parameters[p].name;
+    use.parameters[p] = name == "rho" ? 1000 : name == "E" ? 1e5 : use.parameters[p];
+  }
+  scene.events = std::move(events);
+  Diagnostics diagnostics;
+  Observer nobody;
+  try {
+    Simulation simulation(scene, plugins(), diagnostics);
+    for (int i = 0; i < 20; ++i) simulation.advance({{}, 1}, nobody);
+    const Column& v = simulation.attributes().velocity();
+    for (Index i = 0; i < v.size(); ++i)
+      if (!(std::abs(v.get(i, 2) + simulation.time()) < 1e-3 * simulation.time()))
+        return "a node is not in free fall";
+    const Parts& parts = simulation.built().parts();
+    const CellComplex& complex = simulation.complex();
+    double volume = 0;
+    for (Index e = 0; e < complex.element_count(); ++e)
+      if (complex.exists(3, e)) volume += PartMaterials(parts).moments_of(e).fraction;
+    char text[40];
+    std::snprintf(text, sizeof text, "runs, %.3f", volume * edge * edge * edge);
+    return text;
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TriangleSurface turned(TriangleSurface surface) {
+  for (auto& t : surface.triangles) std::swap(t[0], t[1]);
+  return surface;
+}
+
+TriangleSurface together(TriangleSurface one, const TriangleSurface& other) {
+  const auto first = static_cast<Index>(one.points.size());
+  one.points.insert(one.points.end(), other.points.begin(), other.points.end());
+  for (const auto& [a, b, c] : other.triangles)
+    one.triangles.push_back({first + a, first + b, first + c});
+  return one;
+}
+
+/// Pressed along z.
+TriangleSurface pressed(TriangleSurface surface, double by) {
+  for (Vec3& p : surface.points) p[2] *= by;
+  return surface;
+}
+
+TEST(FilledScene, BadSurfacesAreRefusedOrRun) {
+  using testing::HasSubstr;
+  const TriangleSurface sound = test::sphere_surface({3, 0, 0}, 1, 3);
+  const std::string runs = outcome_of(sound, 0.2);
+  EXPECT_TRUE(runs.starts_with("runs, 4.")) << runs;
+  EXPECT_EQ(outcome_of(turned(sound), 0.2), runs) << "inside out";
+  TriangleSurface leaky = sound;
+  leaky.triangles.pop_back();
+  EXPECT_THAT(outcome_of(leaky, 0.2), HasSubstr("is not closed: 3 edges have a face on one side"));
+  EXPECT_THAT(outcome_of(together(sound, test::sphere_surface({3.9, 0.1, 0.2}, 1, 3)), 0.2),
+              HasSubstr("the surface intersects itself"));
+  for (const double small : {0.001, 0.04})
+    EXPECT_THAT(outcome_of(test::sphere_surface({3, 0, 0}, small, 2), 0.2),
+                HasSubstr("no cube of edge 0.2 m has a corner inside the body"));
+  EXPECT_THAT(outcome_of(pressed(sound, 0), 0.2), HasSubstr("is not closed"));
+  for (const double by : {1e-9, 0.02, 0.05})
+    EXPECT_THAT(outcome_of(pressed(sound, by), 0.2), HasSubstr("no cube of edge 0.2 m has"));
+  EXPECT_THAT(outcome_of(test::sphere_surface({3, 0, 0}, 0.2, 2), 0.2), HasSubstr("runs"));
+  EXPECT_THAT(outcome_of(pressed(sound, 0.15), 0.2), HasSubstr("runs"));
+}
+
+Event plane_at(double height) {
+  Event event;
+  event.what = CutPlane{.point = {3, 0, height}, .normal = {0, 0, 1}, .along_blade = true};
+  event.path = "/events/0";
+  event.at = 0;
+  return event;
+}
+
+// What touches cuts nothing, and slivers do not stop a run.
+TEST(FilledScene, BladesThatTouchAndSliversRun) {
+  const TriangleSurface sound = test::sphere_surface({3, 0, 0}, 1, 3);
+  const std::string whole = outcome_of(sound, 0.2);
+  EXPECT_TRUE(whole.starts_with("runs")) << whole;
+  for (const double height : {1.0, 1 - 1e-12, 0.9999, 0.995, 0.98, 0.7000001})
+    EXPECT_EQ(outcome_of(sound, 0.2, {plane_at(height)}), whole) << height;
+}
+
+TEST(FilledScene, TheTimeForManyTrianglesIsSaidBeforehand) {
+  PolygonSoup soup{"many.stl", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}, {0}};
+  for (Index i = 0; i < 200000; ++i) {
+    soup.corners.insert(soup.corners.end(), {0, 1, 2});
+    soup.offsets.push_back(3 * i + 3);
+  }
+  Diagnostics diagnostics;
+  EXPECT_THROW(close_surface(soup, false, diagnostics, "repair"), InputError);
+  ASSERT_EQ(diagnostics.notes().size(), 1u);
+  EXPECT_NE(diagnostics.notes()[0].find("faces, which takes about 1 s"), std::string::npos);
 }
 
 TEST(FilledScene, RefusesWhatDoesNotFitItsSurface) {

@@ -9,7 +9,6 @@
 #include <random>
 
 #include "kernel/base/rows.hpp"
-#include "kernel/operations/match_faces.hpp"
 #include "kernel/run/simulation.hpp"
 #include "tests/parts/blade_event.hpp"
 #include "tests/parts/cut_box.hpp"
@@ -17,47 +16,6 @@
 
 namespace suture::test {
 namespace {
-
-/// A box that knows where its elements and vertices come from.
-struct SewnBox : CutBox {
-  explicit SewnBox(std::array<Index, 3> cells) : CutBox(cells) {
-    for (Index e = 0; e < complex.element_count(); ++e) origin.push_back(e);
-    for (Index v = 0; v < rows.size(); ++v) point.push_back(v);
-  }
-  void follow(const TopologyChange& change) {
-    for (const Split& split : change.splits[0]) {
-      if (rows.size() == point.size()) rows.push_back(Vec3(rows[split.old_cell]));
-      point.push_back(Index{point[split.old_cell]});
-    }
-    for (const Split& copy : change.copies) origin.push_back(Index{origin[copy.old_cell]});
-  }
-  void cut_by(const PlanePatch& patch) {
-    const BladeCut cut =
-        cut_along(complex, parts.parts(), rows[0].data(), PlaneBlade(patch), "/events/0", 3);
-    if (cut.empty()) return;
-    const TopologyChange change = complex.clone_volume(cut.cloning);
-    follow(change);
-    parts.append(cut.parts, cut.cloning.origins);
-    islands.update(complex, change);
-  }
-  /// Those of which all elements are wanted.
-  void sew(const std::vector<std::uint8_t>& is_wanted) {
-    const auto groups = divided_groups(complex, origin, is_wanted);
-    const Reunion reunion = reunite(complex, parts.parts(), point, groups);
-    const TopologyChange change = complex.clone_volume(reunion.cloning);
-    follow(change);
-    parts.close(reunion.joined);
-    parts.append(reunion.parts, reunion.cloning.origins);
-    islands.update(complex, change);
-    sew_all(reunion.seams);
-  }
-  void sew_all(const std::vector<Seam>& seams) {
-    SeamBatch batch(complex);
-    for (const Seam& seam : seams) EXPECT_FALSE(batch.add(seam));
-    islands.update(complex, complex.sew(batch.seams()));
-  }
-  std::vector<Index> origin, point;
-};
 
 PlanePatch plane_through(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
@@ -71,10 +29,10 @@ TEST(Reunite, MakesABoxWholeAgain) {
   for (unsigned seed = 1; seed <= runs && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
-    SewnBox box({4, 4, 4});
-    for (unsigned i = 0; i < 1 + seed % 4; ++i) box.cut_by(plane_through(random));
-    box.sew(std::vector<std::uint8_t>(box.complex.element_count(), 1));
-    box.sew_all(seams_of_cuts(box.complex, box.point, {}).seams);
+    CutBox box({4, 4, 4});
+    for (unsigned i = 0; i < 1 + seed % 4; ++i) box.cut(plane_through(random));
+    box.sew_parts(std::vector<std::uint8_t>(box.complex.element_count(), 1));
+    box.sew(seams_of_cuts(box.complex, box.point, {}).seams);
     ASSERT_NO_FATAL_FAILURE(expect_valid(box));
     EXPECT_EQ(box.islands.existing(), 1u);
     EXPECT_EQ(box.complex.existing(3), 64u);
@@ -93,14 +51,14 @@ TEST(Reunite, LeavesASlitElsewhere) {
   for (unsigned seed = 1; seed <= runs && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
-    SewnBox box({8, 4, 4});
+    CutBox box({8, 4, 4});
     std::uniform_real_distribution<double> tilt(-0.2, 0.2);
-    box.cut_by({.point = {4, 2, 2}, .normal = {tilt(random), tilt(random), 1}});
+    box.cut({.point = {4, 2, 2}, .normal = {tilt(random), tilt(random), 1}});
     const double lips = lip_area(box, box.parts.embedding(box.complex));
     std::vector<std::uint8_t> is_wanted;
     for (Index e = 0; e < box.complex.element_count(); ++e)
       is_wanted.push_back(box.origin[e] % 8 < 4 ? 1 : 0);
-    box.sew(is_wanted);
+    box.sew_parts(is_wanted);
     ASSERT_NO_FATAL_FAILURE(expect_valid(box));
     ASSERT_NEAR(box.volume(), 128, 128e-12);
     const Embedding& embedding = box.parts.embedding(box.complex);
@@ -118,17 +76,35 @@ TEST(Reunite, LeavesPartsThatAreNotWanted) {
   for (unsigned seed = 1; seed <= runs && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
-    SewnBox box({4, 4, 4});
-    for (unsigned i = 0; i < 2 + seed % 3; ++i) box.cut_by(plane_through(random));
+    CutBox box({4, 4, 4});
+    for (unsigned i = 0; i < 2 + seed % 3; ++i) box.cut(plane_through(random));
     std::vector<std::uint8_t> is_wanted;
     for (Index e = 0; e < box.complex.element_count(); ++e)
       is_wanted.push_back(random() % 4 != 0 ? 1 : 0);
-    box.sew(is_wanted);
+    box.sew_parts(is_wanted);
     ASSERT_NO_FATAL_FAILURE(expect_valid(box));
     ASSERT_NEAR(box.volume(), 64, 64e-12);
     const Embedding& embedding = box.parts.embedding(box.complex);
     EXPECT_NEAR(surface_volume(box, embedding), 64, 64e-12);
   }
+}
+
+// A whole element beside two parts, cut from the one and sewn to the other: on their faces, the
+// surface is what they do not cover.
+TEST(Reunite, SewnFacesShowWhatIsNotCovered) {
+  CutBox box({2, 1, 1});
+  PlanePatch disc{.point = {0.3, 0.5, 0.4}, .normal = {0, 0, 1}};
+  disc.radius = 1;
+  ASSERT_EQ(box.cut(disc).divided, 1u);
+  const Dart whole = face_dart(1, cube_sides[0].face()), joined = box.complex.beta3(whole);
+  const Index other = element_of(joined) == 2 ? 3 : 2;
+  box.follow(box.complex.cut(std::vector<Dart>{whole}));
+  box.sew({{corresponding_dart(other, joined), whole}});
+  ASSERT_NO_FATAL_FAILURE(expect_valid(box));
+  const Embedding& embedding = box.parts.embedding(box.complex);
+  ASSERT_NO_FATAL_FAILURE(expect_closed(embedding));
+  EXPECT_NEAR(surface_volume(box, embedding), 2, 2e-12);
+  EXPECT_NEAR(lip_area(box, embedding), 2 * 1 + 2 * 0.6, 1e-12);
 }
 
 /// A bar, held at one end and pulled on its side, which an oblique plane cuts right through.

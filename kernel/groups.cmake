@@ -15,11 +15,14 @@ foreach(stage IN LISTS SUTURE_STAGES)
   endif()
 endforeach()
 
-# With sanitizers, rooms without a loop over a body are compiled without optimisation: in a third of the
-# time, and tests run as long.
+# With sanitizers, rooms without a loop over a body are compiled without optimisation, and so are the
+# libraries that stand apart: in a third of the time, and tests run as long.
 if(NOT SUTURE_SANITIZER)
   return()
 endif()
+foreach(target suture_geometry suture_live suture_model_check)
+  target_compile_options(${target} PRIVATE -O0)
+endforeach()
 set(unhurried ${sources})
 list(FILTER unhurried INCLUDE REGEX
   "/kernel/(plugin_host|mesh|images|scene|build|operations|output|results|steps|run|live)/")

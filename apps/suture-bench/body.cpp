@@ -9,6 +9,7 @@
 #include "apps/suture-bench/timer.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/mesh/box.hpp"
+#include "kernel/topology/dart.hpp"
 
 namespace suture::bench {
 namespace {
@@ -116,10 +117,9 @@ std::vector<Dart> BenchBody::strip(int part, int parts) const {
   std::vector<Dart> faces;
   for (Index e = 0; e < element_count(); ++e) {
     if (low(e, 1) < from - slack || low(e, 1) > to - slack || low(e, 0) > middle - slack) continue;
-    for (int f = 0; f < 6; ++f) {
+    for (int f = 0; f < hexahedron::faces; ++f) {
       const Index other = body_->complex().neighbour(e, f);
-      if (other != none && low(other, 0) > middle - slack)
-        faces.push_back(24 * e + 4 * static_cast<Dart>(f));
+      if (other != none && low(other, 0) > middle - slack) faces.push_back(face_dart(e, f));
     }
   }
   return faces;
@@ -131,7 +131,7 @@ double BenchBody::cut_random(unsigned count, unsigned seed) {
   for (unsigned i = 0; i < count; ++i) {
     Dart face = none;
     do {
-      face = random() % (24 * element_count()) / 4 * 4;
+      face = face_of(random() % (hexahedron::darts * element_count()));
     } while (!body_->complex().can_cut(face));
     const double start = now(1);
     cut({&face, 1});

@@ -10,6 +10,7 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/contact_letters.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/topology/dart.hpp"
 
 namespace suture::bench {
 namespace {
@@ -32,8 +33,10 @@ std::vector<Index> blocks_of(const std::array<Index, 3>& cells, Index edge) {
 void separate(BenchBody& body, const std::vector<Index>& blocks) {
   std::vector<Dart> faces;
   const CellComplex& complex = body.complex();
-  for (Dart d = 0; d < 24 * complex.element_count(); d += 4)
-    if (complex.can_cut(d) && blocks[d / 24] < blocks[complex.beta3(d) / 24]) faces.push_back(d);
+  for (Index e = 0; e < complex.element_count(); ++e)
+    for (const Dart d : sides_of(e))
+      if (complex.can_cut(d) && blocks[e] < blocks[element_of(complex.beta3(d))])
+        faces.push_back(d);
   body.cut(faces);
 }
 
@@ -47,7 +50,7 @@ void find_pairs(Index n, const ContactOptions& options, PluginHost& host, Report
   Meeting meeting;
   meeting.piece_of.resize(body.attributes().vertex_count());
   for (const Index v : surface.vertices())
-    meeting.piece_of[v] = blocks[body.complex().dart_of(0, v) / 24];
+    meeting.piece_of[v] = blocks[element_of(body.complex().dart_of(0, v))];
   const double* positions = body.attributes().position().rows();
   std::size_t pairs = 0;
   double best = 1e9;
@@ -85,7 +88,7 @@ void loosen(BenchBody& body, const BodyOptions& options, Index block) {
   const double gap = 0.5 * options.cell;
   const double middle = options.cell * options.cells[0] / 2;
   for (Index v = 0; v < body.attributes().vertex_count(); ++v) {
-    const Index element = body.complex().dart_of(0, v) / 24;
+    const Index element = element_of(body.complex().dart_of(0, v));
     const Index x = element % options.cells[0], y = element / options.cells[0] % options.cells[1];
     const Index z = element / options.cells[0] / options.cells[1];
     const double layer = y / block, angle = 0.3 * layer;

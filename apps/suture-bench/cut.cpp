@@ -15,6 +15,7 @@
 #include "apps/suture-bench/timer.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/box.hpp"
+#include "kernel/topology/dart.hpp"
 
 namespace suture::bench {
 namespace {
@@ -201,7 +202,7 @@ void single_operations(PluginHost& host, const CutOptions& options, Report& repo
       std::vector<double> cuts, pierces;
       for (int i = 0; i < 1000; ++i) {
         Dart face = none;
-        do face = random() % (24 * body.element_count()) / 4 * 4;
+        do face = face_of(random() % (hexahedron::darts * body.element_count()));
         while (!body.can_cut(face));
         cuts.push_back(body.cut({&face, 1}));
       }

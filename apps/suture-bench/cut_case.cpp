@@ -7,6 +7,7 @@
 #include "apps/suture-bench/paper_body.hpp"
 #include "kernel/geometry/voxelize.hpp"
 #include "kernel/mesh/box.hpp"
+#include "kernel/topology/dart.hpp"
 #include "kernel/topology/face_matching.hpp"
 
 namespace suture::bench {
@@ -42,12 +43,12 @@ class Slicer {
     }
     std::vector<Dart> faces;
     for (Index e = 0; e < above.size(); ++e)
-      for (Index f = 0; f < 6; ++f) {
-        incidence::Link& link = links_[6 * e + f];
+      for (const Dart face : sides_of(e)) {
+        incidence::Link& link = links_[face / hexahedron::darts_per_face];
         if (link == none || above[link >> 5] == above[e]) continue;
-        links_[6 * (link >> 5) + (link & 31) / 4] = none;
+        links_[corresponding_dart(link >> 5, link & 31) / hexahedron::darts_per_face] = none;
         link = none;
-        faces.push_back(24 * e + 4 * f);
+        faces.push_back(face);
       }
     return faces;
   }
@@ -71,7 +72,7 @@ CutCase two_layers(Index n, std::size_t most) {
   const auto length = static_cast<double>(n);
   result.mesh = make_box({.size = {length, length, 2}, .cells = {n, n, 2}});
   std::vector<Dart>& faces = result.cuts.emplace_back();
-  for (Index e = 0; e < n * n && faces.size() < most; ++e) faces.push_back(24 * e + 4 * 5);
+  for (Index e = 0; e < n * n && faces.size() < most; ++e) faces.push_back(face_dart(e, 5));
   return result;
 }
 

@@ -177,23 +177,52 @@ std::vector<Operation> operations() {
     const std::uint64_t element = element_at(n, n[0] / 2, y, n[2] / 2);
     return std::vector<std::array<std::uint64_t, 2>>{{element, element + 1}};
   };
-  return {{"remove an element by its id",
-           [](const Cells& n, int round) {
-             return with(pierce_of(Selection::Ids{
-                 {element_at(n, n[0] / 2, n[1] / 4 + 2 * static_cast<Index>(round), n[2] / 3)}}));
-           }},
-          {"remove the nearest element",
-           [](const Cells& n, int round) {
-             return with(pierce_of(Selection::Nearest{{block_edge * (n[0] / 3 + 0.5),
-                                                       block_edge * (n[1] / 4 + 2 * round + 0.5),
-                                                       block_edge * (n[2] / 2 + 0.5)}}));
-           }},
-          {"cut a face", [=](const Cells& n, int round) { return with(CutFaces{pair(n, round)}); }},
-          {"sew it", [=](const Cells& n, int round) {
-             SewFaces sew;
-             sew.element_pairs = pair(n, round);
-             return with(std::move(sew));
-           }}};
+  const auto place = [](const Cells& n, int round) {
+    return Vec3{block_edge * (n[0] / 4), block_edge * (n[1] / 4 + 2 * round + 0.5),
+                block_edge * (n[2] / 4 + 0.5)};
+  };
+  return {
+      {"remove an element by its id",
+       [](const Cells& n, int round) {
+         return with(pierce_of(Selection::Ids{
+             {element_at(n, n[0] / 2, n[1] / 4 + 2 * static_cast<Index>(round), n[2] / 3)}}));
+       }},
+      {"remove the nearest element",
+       [](const Cells& n, int round) {
+         return with(pierce_of(Selection::Nearest{{block_edge * (n[0] / 3 + 0.5),
+                                                   block_edge * (n[1] / 4 + 2 * round + 0.5),
+                                                   block_edge * (n[2] / 2 + 0.5)}}));
+       }},
+      {"cut a face", [=](const Cells& n, int round) { return with(CutFaces{pair(n, round)}); }},
+      {"sew it",
+       [=](const Cells& n, int round) {
+         SewFaces sew;
+         sew.element_pairs = pair(n, round);
+         return with(std::move(sew));
+       }},
+      {"cut by a disc",
+       [=](const Cells& n, int round) {
+         CutPlane disc{place(n, round), {1, 0, 0}};
+         disc.radius = 2 * block_edge;
+         return with(std::move(disc));
+       }},
+      {"cut by two triangles",
+       [=](const Cells& n, int round) {
+         const Vec3 p = place(n, round);
+         const double a = 2 * block_edge;
+         TriangleSurface square{"square", {}, {{0, 1, 2}, {0, 2, 3}}};
+         for (const auto& [y, z] : {std::pair{-a, -a}, {a, -a}, {a, a}, {-a, a}})
+           square.points.push_back({p[0], p[1] + y, p[2] + z});
+         CutSurface cut;
+         cut.surface = std::make_shared<const TriangleSurface>(std::move(square));
+         return with(std::move(cut));
+       }},
+      {"tear in a ball", [=](const Cells& n, int round) {
+         Tear tear;
+         tear.max_fraction = 1;
+         tear.where = Selection{Selection::Sphere{place(n, round), 2 * block_edge}, "/events/0"};
+         return with(std::move(tear));
+       }}};
 }
 
 /// us of each operation in a run of a block, medians.

@@ -11,6 +11,7 @@
 #include "kernel/dynamics/pieces.hpp"
 #include "kernel/mesh/box.hpp"
 #include "kernel/mesh/mesh_file.hpp"
+#include "kernel/topology/dart.hpp"
 
 namespace suture::bench {
 namespace {
@@ -81,10 +82,10 @@ void cut(Body& body, const SolveCase& what, double edge) {
   };
   std::vector<Dart> faces;
   for (Index e = 0; e < complex.element_count(); ++e)
-    for (Dart f = 0; f < 6; ++f) {
-      const Index other = complex.neighbour(e, static_cast<int>(f));
+    for (int f = 0; f < hexahedron::faces; ++f) {
+      const Index other = complex.neighbour(e, f);
       if (other != none && other > e && what.is_cut(scaled_centre(e), scaled_centre(other)))
-        faces.push_back(24 * e + 4 * f);
+        faces.push_back(face_dart(e, f));
     }
   body.cut(faces);
 }
@@ -98,7 +99,7 @@ void hold(Body& body, double part) {
     low = std::min(low, height(v));
     top = std::max(top, height(v));
   }
-  const std::vector<Index> piece = pieces_of(body.complex(), attributes.vertex_count());
+  const std::vector<Index> piece = pieces_of(body.complex(), attributes);
   const auto is_low = [&](Index v) { return height(v) <= low + (part + 1e-9) * (top - low); };
   std::vector<bool> hangs(piece.size());
   for (Index v = 0; v < piece.size(); ++v)

@@ -18,6 +18,7 @@
 #include "apps/suture-bench/work_scene.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/forces/gravity.hpp"
+#include "kernel/topology/dart.hpp"
 
 namespace suture::bench {
 namespace {
@@ -245,12 +246,12 @@ class Bench {
     std::vector<std::pair<double, Dart>> faces;  // by depth
     std::size_t inner = 0;
     for (Index e = 0; e < centres.size(); ++e)
-      for (int f = 0; f < 6; ++f) {
+      for (int f = 0; f < hexahedron::faces; ++f) {
         const Index other = body.complex().neighbour(e, f);
         if (other == none || other < e) continue;
         ++inner;
         if ((centres[e][0] < middle) != (centres[other][0] < middle))
-          faces.emplace_back(-centres[e][2], 24 * e + 4 * static_cast<Dart>(f));
+          faces.emplace_back(-centres[e][2], face_dart(e, f));
       }
     std::ranges::sort(faces);
     const double wanted = options_.cut / 100 * static_cast<double>(inner);

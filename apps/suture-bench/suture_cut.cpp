@@ -21,7 +21,7 @@ SutureCut::SutureCut(PluginHost& host, const std::string& name, Mesh mesh)
 
 double SutureCut::cut(std::span<const Dart> faces) {
   std::vector<Dart> ours(faces.begin(), faces.end());
-  for (Dart& d : ours) d = 24 * body_.imported().element_of[d / 24] + d % 24;
+  for (Dart& d : ours) d = in_body(d);
   const double start = now(1);
   body_.cut(ours);
   return now(1) - start;

@@ -8,6 +8,7 @@
 #include "kernel/dynamics/dynamics.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/spectrum/step_limits.hpp"
+#include "kernel/topology/dart.hpp"
 
 namespace suture::bench {
 
@@ -23,9 +24,7 @@ class SutureCut {
   double pierce(std::span<const Index> elements);
 
   /// In the numbers of the mesh.
-  bool can_cut(Dart face) const {
-    return body_.complex().can_cut(24 * body_.imported().element_of[face / 24] + face % 24);
-  }
+  bool can_cut(Dart face) const { return body_.complex().can_cut(in_body(face)); }
   bool can_pierce(Index element) const {
     return body_.complex().can_pierce(body_.imported().element_of[element]);
   }
@@ -34,6 +33,11 @@ class SutureCut {
   double mass();
 
  private:
+  /// The dart of the body that is `dart` in the mesh.
+  Dart in_body(Dart dart) const {
+    return corresponding_dart(body_.imported().element_of[suture::element_of(dart)], dart);
+  }
+
   Diagnostics diagnostics_;
   Body body_;
   std::unique_ptr<Dynamics> dynamics_;

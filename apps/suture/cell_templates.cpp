@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// New models on nodes and faces, and those that compute batches by themselves.
+// New models on nodes, faces and lips, constraints, and those that compute batches by themselves.
 #include "apps/suture/model_templates.hpp"
 
 namespace suture::templates {
@@ -70,6 +70,109 @@ struct @Struct@ : suture::model, suture::on_faces {
   }
 };
 SUTURE_PLUGIN("@id@", "1.0", "MIT", "Pressure on the boundary", @Struct@)
+)model";
+
+const std::string_view constraint = R"model(// SPDX-License-Identifier: MIT
+#include "suture/model.hpp"
+
+/// A constraint C = 0 on each element, here that it keeps its volume. Its energy is C^2 / (2 a) with
+/// the compliance a: position based dynamics ("integrator": "xpbd") projects C, and every other
+/// solver takes the force -dU/dx. It gives no mass: use it on the same elements as a model that does.
+struct @Struct@ : suture::model, suture::on_volumes {
+  static constexpr const char *id = "@id@", *doc = "Keeps the volume of the elements",
+                              *formula = "U = C^2 / (2 a), C = V - V0, a = V0 / kappa",
+                              *citation = "Macklin, Mueller, Chentanez, XPBD, MIG 2016";
+  enum { kappa };
+  static constexpr suture::parameter parameters[] = {
+      suture::number("kappa", "Pa", "Pressure per relative change of the volume").above(0)};
+  static constexpr auto reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+
+  static constexpr double side(int node, int axis) { return (node >> axis & 1) ? 1 : -1; }
+  /// dV/dx of the mean edges A: V = A0 . (A1 x A2), A_a = sum of side_a x / 4.
+  template <class T>
+  struct Volume {
+    suture::vec3<T> across[3];  // A1 x A2, A2 x A0, A0 x A1
+    T value;
+    suture::vec3<T> gradient(int n) const {
+      return 0.25 * (side(n, 0) * across[0] + side(n, 1) * across[1] + side(n, 2) * across[2]);
+    }
+  };
+  template <class T, class Place>
+  static Volume<T> volume(Place place) {
+    suture::vec3<T> edge[3] = {0.25 * (place(1) - place(0)), 0.25 * (place(2) - place(0)),
+                               0.25 * (place(4) - place(0))};
+    for (int n = 2; n < 8; n += 2) edge[0] += 0.25 * (place(n + 1) - place(n));
+    for (int n : {1, 4, 5}) edge[1] += 0.25 * (place(n + 2) - place(n));
+    for (int n : {1, 2, 3}) edge[2] += 0.25 * (place(n + 4) - place(n));
+    Volume<T> v{{cross(edge[1], edge[2]), cross(edge[2], edge[0]), cross(edge[0], edge[1])}, T(0.0)};
+    v.value = dot(edge[0], v.across[0]);
+    return v;
+  }
+  template <class Cell>
+  static auto now(const Cell& c) {
+    return volume<typename Cell::scalar>([&](int n) { return c.position(n); });
+  }
+  template <class Cell>
+  static auto at_rest(const Cell& c) {
+    return volume<typename Cell::real>([&](int n) { return c.rest(n); }).value;
+  }
+
+  template <class Cell>
+  static void force(const Cell& c) {
+    const auto V = now(c);
+    const auto pull = -c.parameter(kappa) * (V.value / at_rest(c) - 1.0);  // -C / a
+    for (int n = 0; n < 8; ++n) c.force(n, V.gradient(n) * pull);
+  }
+  template <class Cell>
+  static auto energy(const Cell& c) {
+    const auto rest = at_rest(c);
+    const auto C = now(c).value - rest;
+    return 0.5 * c.parameter(kappa) / rest * (C * C);
+  }
+};
+SUTURE_PLUGIN("@id@", "1.0", "MIT", "Volume of the elements", @Struct@)
+)model";
+
+const std::string_view lips = R"model(// SPDX-License-Identifier: MIT
+#include "suture/lips.hpp"
+
+/// Springs between opposite nodes of two regions, which the scene names by "between".
+struct @Struct@ : suture::model, suture::on_lips {
+  static constexpr const char *id = "@id@", *doc = "Holds two regions together",
+                              *formula = "U = k A / 8 sum over pairs of nodes of |u|^2",
+                              *citation = "textbook";
+  enum { k };
+  static constexpr suture::parameter parameters[] = {
+      suture::number("k", "Pa/m", "Traction per distance").above(0)};
+  static constexpr auto reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+
+  /// Node 4 + i of the second lip lies opposite node i of the first.
+  template <class Cell>
+  static auto distance(const Cell& c, int i) {
+    return c.position(4 + i) - c.position(i);
+  }
+  template <class Cell>
+  static auto stiffness_of_pair(const Cell& c) {
+    const auto twice_area = norm(cross(c.rest(2) - c.rest(0), c.rest(3) - c.rest(1)));
+    return c.parameter(k) / 8 * twice_area;
+  }
+  template <class Cell>
+  static void force(const Cell& c) {
+    const auto stiffness = stiffness_of_pair(c);
+    for (int i = 0; i < 4; ++i) {
+      const auto f = distance(c, i) * stiffness;
+      c.force(i, f);
+      c.force(4 + i, -f);
+    }
+  }
+  template <class Cell>
+  static auto energy(const Cell& c) {
+    typename Cell::scalar sum(0.0);
+    for (int i = 0; i < 4; ++i) sum += dot(distance(c, i), distance(c, i));
+    return 0.5 * stiffness_of_pair(c) * sum;
+  }
+};
+SUTURE_PLUGIN("@id@", "1.0", "MIT", "Springs between two regions", @Struct@)
 )model";
 
 const std::string_view batches = R"model(// SPDX-License-Identifier: MIT

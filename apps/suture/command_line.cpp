@@ -318,11 +318,11 @@ struct Parser {
   void add_new_model(CLI::App& sub) {
     sub.add_option("name", new_model.name, "id of the model, and name of its folder")->required();
     sub.add_option(
-           "--level", new_model.level,
+           "--kind,--level", new_model.level,
            "law: a solid, from its energy density (default); springs, nodes, faces: forces of "
-           "edges, nodes, faces; field: an unknown on vertices; batches, c: eight cells at a "
-           "time, in C++ or C")
-        ->type_name("law|springs|nodes|faces|field|batches|c");
+           "edges, nodes, faces; field: an unknown on vertices; constraint: of each element; lips: "
+           "between two regions; batches, c: eight cells at a time, in C++ or C")
+        ->type_name("law|springs|nodes|faces|field|constraint|lips|batches|c");
     sub.add_option("-o,--output", new_model.output,
                    "folder to put it into; default: the current one")
         ->type_name("DIR");

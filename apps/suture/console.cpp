@@ -29,25 +29,32 @@ void put(std::FILE* stream, const std::string& text) {
 Console::Console(bool quiet, bool verbose)
     : quiet_(quiet), verbose_(verbose), terminal_(isatty(STDERR_FILENO) == 1) {
   diagnostics_.on_warning = [this](const std::string& text) {
+    if (muted_) return;
     clear_status();
     put(stderr, "suture: warning: " + text + "\n");
   };
   diagnostics_.on_note = [this](const std::string& text) { note(text); };
 }
 
+void Console::speak_as(const std::string& name) {
+  muted_ = false;
+  if (!kept_error_.empty()) error(name + ": " + kept_error_);
+}
+
 void Console::print(const std::string& line) {
+  if (muted_) return;
   clear_status();
   put(stdout, line + "\n");
 }
 
 void Console::note(const std::string& line) {
-  if (quiet_) return;
+  if (quiet_ || muted_) return;
   clear_status();
   put(stderr, line + "\n");
 }
 
 void Console::status(const std::string& line) {
-  if (quiet_) return;
+  if (quiet_ || muted_) return;
   clear_status();
   put(stderr, line + (terminal_ ? "" : "\n"));
   std::fflush(stderr);
@@ -55,6 +62,10 @@ void Console::status(const std::string& line) {
 }
 
 void Console::error(const std::string& text) {
+  if (muted_) {
+    kept_error_ = text;
+    return;
+  }
   clear_status();
   std::fflush(stdout);
   put(stderr, "suture: error: " + text + "\n");
@@ -63,7 +74,8 @@ void Console::error(const std::string& text) {
 void Console::count_warnings() {
   clear_status();
   const std::size_t warnings = diagnostics_.warnings().size();
-  if (warnings > 0) std::fprintf(stderr, "suture: %s\n", count(warnings, "warning").c_str());
+  if (warnings > 0 && !muted_)
+    std::fprintf(stderr, "suture: %s\n", count(warnings, "warning").c_str());
 }
 
 int Console::finish() {

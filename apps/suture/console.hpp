@@ -20,6 +20,11 @@ class Console {
   bool verbose() const { return verbose_; }
   bool is_terminal() const { return terminal_; }
 
+  /// From now on nothing is shown, but an error is kept: another process of the same run shows it.
+  void mute() { muted_ = true; }
+  /// Shows what is kept, and what follows; `name` stands before it.
+  void speak_as(const std::string& name);
+
   /// Prints a result; `line` without a line feed.
   void print(const std::string& line);
   /// Reports something that happened, unless quiet.
@@ -38,7 +43,8 @@ class Console {
  private:
   void clear_status();
 
-  bool quiet_, verbose_, terminal_;
+  bool quiet_, verbose_, terminal_, muted_ = false;
+  std::string kept_error_;
   bool status_shown_ = false;
   Diagnostics diagnostics_;
 };

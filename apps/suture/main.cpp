@@ -3,6 +3,7 @@
 #include <new>
 
 #include "apps/suture/commands.hpp"
+#include "apps/suture/processes.hpp"
 #include "apps/suture/signals.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
@@ -79,7 +80,8 @@ int main(int argc, char** argv) {
   });
   if (usage != 0) return usage;
   Console console(line.quiet, line.verbose);
-  const int code = guarded(console, [&] { return std::visit(Dispatch{console}, line.command); });
+  int code = guarded(console, [&] { return std::visit(Dispatch{console}, line.command); });
+  code = leave_processes(code, console);
   deliver_plugin_warnings(console.diagnostics());
   console.count_warnings();
   return code != 0 ? code : console.finish();

@@ -142,13 +142,19 @@ constexpr std::string_view scene_of_model =
     {"model": "@id@", "parameters": @parameters@}@solid@
   ],
 @motion@
-  "solver": {"dt": "auto", "end": 1, "damping": 2},
+  "solver": {@integrator@"dt": "auto", "end": 1, "damping": 2},
   "output": {"every": 0.05, "fields": ["displacement", "velocity"]}
 }
 )";
 
 constexpr std::string_view solid = R"(,
     {"model": "neo-hookean", "parameters": {"E": 1e4, "nu": 0.3, "rho": 1000}})";
+
+// The two halves of the bar.
+constexpr std::string_view two_halves = R"({"k": 1e7}, "between": [
+      {"half_space": {"point": [0.2, 0, 0], "normal": [-1, 0, 0]}},
+      {"half_space": {"point": [0.2, 0, 0], "normal": [1, 0, 0]}}]
+    )";
 
 constexpr std::string_view stretched = R"(  "constraints": [
     {"fix": "xyz", "where": {"set": "x0"}},
@@ -202,6 +208,9 @@ std::span<const ModelLevel> model_levels() {
        falling},
       {"faces", "model.cpp", templates::faces, R"({"p": 1000, "ramp": 0.5})", solid, held},
       {"field", "model.cpp", diffusion, R"({"D": 0.01})", solid, soaked},
+      {"constraint", "model.cpp", templates::constraint, R"({"kappa": 1e5})", solid, stretched,
+       R"("integrator": "xpbd", )"},
+      {"lips", "model.cpp", templates::lips, two_halves, solid, stretched},
       {"batches", "model.cpp", templates::batches, R"({"c": 0.1})", solid, stretched},
       {"c", "model.c", templates::plain_c, R"({"k": 10, "c": 0.01})", solid, stretched}};
   return levels;

@@ -69,8 +69,9 @@ const ModelLevel& find_level(const std::string& name) {
     if (level.name == name) return level;
     names.emplace_back(level.name);
   }
-  throw UsageError("--level must be law, springs, nodes, faces, field, batches or c, is " +
-                   quote(name) + did_you_mean(name, names));
+  throw UsageError(
+      "--kind must be law, springs, nodes, faces, field, constraint, lips, batches or c, is " +
+      quote(name) + did_you_mean(name, names));
 }
 
 std::string replaced(std::string text, const std::string& what, std::string_view by) {
@@ -88,6 +89,7 @@ void write_files(const fs::path& folder, const ModelLevel& level, const std::str
       std::string text = replaced(std::string(file.text), "@parameters@", level.parameters);
       text = replaced(text, "@solid@", level.solid);
       text = replaced(text, "@motion@", level.motion);
+      text = replaced(text, "@integrator@", level.integrator);
       text = replaced(text, "@file@", level.file);
       text = replaced(text, "@Struct@", struct_name(id));
       const fs::path to = folder / file.name;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "apps/suture/commands.hpp"
+#include "apps/suture/processes.hpp"
 #include "apps/suture/signals.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/live/recording.hpp"
@@ -41,7 +42,8 @@ std::string describe(const Progress& progress) {
 /// Shows progress: on a terminal a few times a second, in a log every ten seconds.
 class Watcher final : public Observer {
  public:
-  explicit Watcher(Console& console) : console_(console) {}
+  /// `processes`: those that make the run together; null: this one alone.
+  Watcher(Console& console, Communicator* processes) : console_(console), processes_(processes) {}
 
   void on_progress(const Progress& progress) override {
     const auto now = std::chrono::steady_clock::now();
@@ -56,12 +58,19 @@ class Watcher final : public Observer {
   void on_detail(const std::string& message) override {
     if (console_.verbose()) console_.note(message);
   }
-  bool stop_requested() override { return is_at_end_ || caught_signal() != 0; }
+  bool stop_requested() override {
+    const bool is_told = caught_signal() != 0;
+    if (is_at_end_ || !processes_) return is_at_end_ || is_told;
+    return questions_++ % steps_between == 0 && processes_->any(is_told);
+  }
   /// Ends the run where it is.
   void end() { is_at_end_ = true; }
 
  private:
   Console& console_;
+  static constexpr unsigned steps_between = 8;  ///< from question to question to all processes
+  Communicator* processes_;
+  unsigned questions_ = 0;
   bool is_at_end_ = false;
   std::chrono::steady_clock::time_point next_{};
 };
@@ -167,6 +176,8 @@ void report_threads(unsigned wanted, unsigned used, Console& console) {
 
 int run(const RunCommand& command, Console& console) {
   catch_signals();
+  Communicator* const processes = enter_processes(console);
+  const bool writes = !processes || processes->rank() == 0;
   PluginHost host(&console.diagnostics());
   std::optional<Recording> recording;
   if (command.resume.empty() && is_recording(command.scene))
@@ -174,10 +185,14 @@ int run(const RunCommand& command, Console& console) {
   const std::filesystem::path resumed = recording ? recording->checkpoint : command.resume;
   std::optional<Checkpoint> checkpoint;
   if (!resumed.empty()) checkpoint = read_checkpoint(resumed);
-  const Scene scene = checkpoint && !recording ? scene_of(*checkpoint, command, host, console)
-                                               : scene_of(command, recording, host, console);
+  Scene scene = checkpoint && !recording ? scene_of(*checkpoint, command, host, console)
+                                         : scene_of(command, recording, host, console);
+  const unsigned wanted_threads = scene.solver.threads;
+  if (processes && wanted_threads == 0) scene.solver.threads = threads_of_each(*processes);
   // Before anything that takes time: another run may be writing there.
-  const auto folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root);
+  const auto folder =
+      writes ? std::make_shared<OutputFolder>(scene.output.directory, scene.output.root)
+             : OutputFolder::silent(scene.output.directory);
   if (scene.output.enabled) {
     folder->open();
     has_opened(*folder);
@@ -189,7 +204,8 @@ int run(const RunCommand& command, Console& console) {
   }
   Simulation simulation(scene, host, console.diagnostics(), command.skip, folder,
                         command.check_plugins);
-  report_threads(scene.solver.threads, simulation.threads(), console);
+  if (processes) simulation.share(*processes);
+  report_threads(wanted_threads, simulation.threads(), console);
   if (checkpoint) {
     simulation.resume(*checkpoint, resumed);
     report_resume(checkpoint->header, simulation, console);
@@ -203,7 +219,7 @@ int run(const RunCommand& command, Console& console) {
   }
   if (console.verbose()) simulation.measure();
   has_started();
-  Watcher watcher(console);
+  Watcher watcher(console, processes);
   const RunSummary summary = run(simulation, recording, scene, watcher, console);
   if (!console.quiet()) print_summary(summary, console);
   print_costs(simulation.costs(), summary.seconds, console);

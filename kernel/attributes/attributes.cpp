@@ -6,6 +6,7 @@
 
 #include "kernel/attributes/inspection.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/parts/general_part.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
@@ -65,28 +66,29 @@ Attributes::Attributes(const CellComplex& complex, std::span<const Vec3> rest) {
 
 void Attributes::set_parts(const CellComplex& complex, ElementParts parts) {
   parts_ = std::move(parts);
+  if (parts_.are_general()) return;
   const RestPlaces rest = rest_places(complex);
   for (const Index e : parts_.elements())
-    require_parallelepiped(rest, e,
-                           ", of which only a part is material, is not a parallelepiped at rest; "
-                           "the surface of a body may cross the elements of a regular grid only");
+    if (!is_parallelepiped(rest.of(e)))
+      throw InputError("element " + std::to_string(user_element.empty() ? e : user_element[e]) +
+                       ", of which only a part is material, is not a parallelepiped at rest; the "
+                       "surface of a body may cross the elements of a regular grid only");
 }
 
 void Attributes::let_parts_grow(const CellComplex& complex) {
   parts_.let_grow();
   const RestPlaces rest = rest_places(complex);
-  for (Index e = 0; e < complex.element_count(); ++e)
-    if (complex.exists(3, e))
-      require_parallelepiped(rest, e,
-                             " is not a parallelepiped at rest; a blade may divide the elements of "
-                             "a regular grid only. Cut along \"faces\" instead");
+  for (Index e = 0; e < complex.element_count() && !parts_.are_general(); ++e)
+    if (complex.exists(3, e) && !is_parallelepiped(rest.of(e))) parts_.make_general();
 }
 
-void Attributes::require_parallelepiped(const RestPlaces& rest, Index element,
-                                        const char* what) const {
-  if (is_parallelepiped(rest.of(element))) return;
-  throw InputError("element " +
-                   std::to_string(user_element.empty() ? element : user_element[element]) + what);
+void Attributes::begin_copies(const CellComplex& complex, const Parts& copies,
+                              std::span<const Index> origins) {
+  std::vector<GeneralPart> general;
+  const RestPlaces rest = rest_places(complex);
+  for (std::size_t i = 0; i < origins.size() && parts_.are_general(); ++i)
+    general.push_back(general_part(copies, i, rest.of(origins[i])));
+  parts_.begin_copies(copies, general);
 }
 
 Instance& Attributes::add(std::unique_ptr<Instance> instance, CellComplex& complex,
@@ -107,17 +109,24 @@ void Attributes::share_columns(Instance& instance) {
     if ((attribute.flags & SUTURE_SHARED_MASS) != 0) instance.share(a, *mass_);
     if ((attribute.flags & SUTURE_FIELD) != 0)
       instance.share(a, *(last = &declare(attribute, instance))->values);
-    if ((attribute.flags & SUTURE_CAPACITY) == 0) continue;
-    if (!last->capacity) last->capacity = &kernel(0).add(spec_of(attribute));
-    instance.share(a, *last->capacity);
+    const auto share = [&](std::uint32_t flag, Column* VertexField::*column) {
+      if ((attribute.flags & flag) == 0) return;
+      if (!(last->*column)) last->*column = &kernel(0).add(spec_of(attribute));
+      instance.share(a, *(last->*column));
+    };
+    share(SUTURE_CAPACITY, &VertexField::capacity);
+    share(SUTURE_RELAXATION, &VertexField::relaxation);
+    share(SUTURE_FIELD_RATE, &VertexField::rate);
   }
 }
 
 VertexField& Attributes::declare(const suture_attribute& attribute, const Instance& instance) {
   const auto known = std::ranges::find(fields_, attribute.name, &VertexField::name);
+  const bool is_rising = (attribute.flags & SUTURE_RISING) != 0;
   if (known == fields_.end())
     return fields_.emplace_back(
-        VertexField{attribute.name, attribute.unit, &kernel(0).add(spec_of(attribute)), nullptr});
+        VertexField{attribute.name, attribute.unit, &kernel(0).add(spec_of(attribute)), is_rising});
+  known->is_rising |= is_rising;
   if (known->unit != attribute.unit || known->values->spec().initial != attribute.initial)
     throw InputError(instance.title() + ": field '" + known->name + "' starts from " +
                      std::to_string(attribute.initial) + ' ' + attribute.unit +
@@ -132,11 +141,12 @@ VertexField* Attributes::field_of(const suture_model& model, const suture_functo
   return &*std::ranges::find(fields_, model.attributes[functor.field - 1].name, &VertexField::name);
 }
 
-/// Clears masses and capacities, to which all instances contribute.
+/// Clears masses and the sums of fields, to which all instances contribute.
 void Attributes::clear_sums() {
   mass_->fill(0);
   for (const VertexField& field : fields_)
-    if (field.capacity) field.capacity->fill(0);
+    for (Column* sum : field.sums())
+      if (sum) sum->fill(0);
 }
 
 void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics) {
@@ -295,15 +305,17 @@ void Attributes::clear_vertices(const TopologyChange& change) {
   for (const Index element : change.removed[3]) own_rest_.remove(element);
   for (const Index vertex : change.stars[0].cells) mass_->rows()[vertex] = 0;
   for (const VertexField& field : fields_)
-    for (const Index vertex : change.stars[0].cells)
-      if (field.capacity) field.capacity->rows()[vertex] = 0;
+    for (Column* sum : field.sums())
+      for (const Index vertex : change.stars[0].cells)
+        if (sum) sum->rows()[vertex] = 0;
 }
 
 void Attributes::clear_vertex(Index vertex) {
   for (Column* column : {velocity_, force_, mass_, fixed_})
     for (int c = 0; c < column->spec().components; ++c) column->set(vertex, c, 0);
   for (const VertexField& field : fields_)
-    if (field.capacity) field.capacity->set(vertex, 0, 0);
+    for (Column* sum : field.sums())
+      if (sum) sum->set(vertex, 0, 0);
 }
 
 namespace {

@@ -111,15 +111,16 @@ class Attributes {
   /// Elements of which only a part is material. Masses, and all that elements contribute to their
   /// vertices, edges and faces, are multiplied by their fractions; models that are not made for
   /// such elements are refused by add(). To be called before it. Throws InputError for an element
-  /// that is not a parallelepiped at rest: the rule of integration is exact for those only.
+  /// that is not a parallelepiped at rest if they are not described as general ones.
   void set_parts(const CellComplex& complex, ElementParts parts);
   const ElementParts& parts() const { return parts_; }
   /// Cuts along blades may make more of them; models that are not made for them are refused from
-  /// now on. To be called before add(). Throws InputError for an element that is not a
-  /// parallelepiped at rest.
+  /// now on. To be called before add().
   void let_parts_grow(const CellComplex& complex);
-  /// Call around an operation that copies elements, with the parts of the copies.
-  void begin_copies(const Parts& copies) { parts_.begin_copies(copies); }
+  /// Call around an operation that copies elements, with the parts of the copies. `origins`: of the
+  /// copies, in the same order; they must still exist.
+  void begin_copies(const CellComplex& complex, const Parts& copies,
+                    std::span<const Index> origins);
   void end_copies() { parts_.end_copies(); }
   /// Vertices that are declared equal get the mean position and velocity, by mass, and the mean of
   /// each field, by capacity. Prescribed components have the last word.
@@ -137,7 +138,6 @@ class Attributes {
   void sum(Instance& instance, std::uint32_t number, const CellComplex& complex, RestBatch& rest,
            std::span<const double> uniform);
   void add_copies(const CellComplex& complex, std::span<const Split> copies);
-  void require_parallelepiped(const RestPlaces& rest, Index element, const char* what) const;
   void follow(std::span<Table, 4> tables, const CellComplex& complex, const TopologyChange& change,
               std::size_t first_column = 0);
   void merge_vertices(const CellComplex& complex, const TopologyChange& change);

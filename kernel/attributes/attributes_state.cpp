@@ -149,7 +149,9 @@ void Attributes::parameters(Archive& archive, const CellComplex& complex) {
 
 void Attributes::state(Archive& archive) {
   if (archive.has_cells()) {
-    const bool is_fresh = operations_ == 0;
+    const bool opens_lips =  // when it is built
+        std::ranges::any_of(instances_, [](const auto& i) { return !i->lips.empty(); });
+    const bool is_fresh = operations_ == (opens_lips ? 1 : 0);
     archive("operations", operations_);
     archive.require(is_fresh || !archive.loads(),
                     "operations have already been applied to this body");

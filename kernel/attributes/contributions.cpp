@@ -68,7 +68,8 @@ suture_contribution_fn function_of(const suture_attribute& attribute) {
 /// those of a mass not negative.
 void require_values(const PluginCall& call, const double* out) {
   const suture_attribute& attribute = *call.attribute;
-  const bool is_mass = (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_CAPACITY)) != 0;
+  const bool is_mass =
+      (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_CAPACITY | SUTURE_RELAXATION)) != 0;
   constexpr double most = std::numeric_limits<double>::max();
   const double least = is_mass ? 0 : -most;
   const std::size_t count = contribution_cells[attribute.dimension] * attribute.components;

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/lanes.hpp"
 #include "kernel/base/reset_error.hpp"
@@ -11,19 +11,18 @@
 namespace suture {
 namespace {
 
-using hexahedron::Local;
-
 /// A functor's batch at rest, gathered lane by lane: this runs once.
 class InspectionBatch {
  public:
   InspectionBatch(const Instance& instance, const suture_functor& functor, const RestPlaces& rest,
                   const Column& mass, std::span<const Index> user_element)
       : instance_(instance),
+        functor_(functor),
         rest_(rest),
         mass_(mass),
         user_element_(user_element),
         dimension_(static_cast<int>(functor.dimension)),
-        node_count_(nodes_of_cell(dimension_)) {
+        node_count_(nodes_of(functor)) {
     positions_.resize(static_cast<std::size_t>(node_count_) * 3 * lanes);
     at_rest_.resize(positions_.size(), 0.0);
     for (const std::uint32_t a : std::span(functor.cell_columns, functor.cell_column_count)) {
@@ -63,14 +62,13 @@ class InspectionBatch {
     for (std::size_t i = 0; i < cell_sources_.size(); ++i)
       for (int c = 0; c < cell_sources_[i]->spec().components; ++c)
         cell_values_[i][static_cast<std::size_t>(c) * lanes + lane] = cell_sources_[i]->get(row, c);
-    std::array<Index, 8> nodes;
-    std::array<Local, 8> corners;
-    cell_nodes(rest_.complex(), dimension_, cell, nodes.data());
-    const Index element = cell_corners(rest_.complex(), dimension_, cell, corners.data());
+    const FunctorCorners corners = corners_of(instance_, functor_, rest_.complex(), cell);
     for (std::size_t n = 0; n < static_cast<std::size_t>(node_count_); ++n) {
+      const auto [element, corner] = corners[n];
       for (std::size_t c = 0; c < 3; ++c)
-        positions_[(n * 3 + c) * lanes + lane] = rest_.corner(element, corners[n])[c];
-      for (std::size_t i = 0; i < vertex_sources_.size(); ++i) gather_vertex(i, n, nodes[n], lane);
+        positions_[(n * 3 + c) * lanes + lane] = rest_.corner(element, corner)[c];
+      const Index node = rest_.complex().vertices_of(element)[corner];
+      for (std::size_t i = 0; i < vertex_sources_.size(); ++i) gather_vertex(i, n, node, lane);
     }
   }
 
@@ -84,6 +82,7 @@ class InspectionBatch {
   }
 
   const Instance& instance_;
+  const suture_functor& functor_;
   RestPlaces rest_;
   const Column& mass_;
   std::span<const Index> user_element_;
@@ -121,9 +120,11 @@ bool admits(const Instance& instance, const suture_functor& functor, const CellC
   if (!instance.table(static_cast<int>(functor.dimension)).cells.is_live(row)) return false;
   if (functor.dimension == 3 && functor.shape != SUTURE_ANY_SHAPE)
     return instance.is_general(row) == (functor.shape == SUTURE_GENERAL);
-  if (functor.dimension == 2 && functor.faces != SUTURE_ALL_FACES) {
-    const bool boundary =
-        complex.beta3(complex.dart_of(2, instance.table(2).cells.cell(row))) == none;
+  if (functor.dimension != 2) return true;
+  const Index face = instance.table(2).cells.cell(row);
+  if (acts_on_lips(functor)) return lips_at(instance, complex, face) != nullptr;
+  if (functor.faces != SUTURE_ALL_FACES) {
+    const bool boundary = complex.beta3(complex.dart_of(2, face)) == none;
     return boundary == (functor.faces == SUTURE_BOUNDARY_FACES);
   }
   return true;

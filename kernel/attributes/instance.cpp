@@ -172,25 +172,27 @@ void Instance::find_needed() {
 
 /// By a functor that runs, or by none at all: then it is there for others.
 bool Instance::is_read(std::uint32_t attribute) const {
+  const auto reads = [&](const suture_functor& f) {
+    return std::ranges::count(std::span(f.cell_columns, f.cell_column_count), attribute) != 0 ||
+           std::ranges::count(std::span(f.vertex_columns, f.vertex_column_count), attribute) != 0;
+  };
   bool named = false;
   for (std::uint32_t i = 0; i < model_.functor_count; ++i) {
     const suture_functor& f = model_.functors[i];
-    const bool reads =
-        std::ranges::count(std::span(f.cell_columns, f.cell_column_count), attribute) != 0 ||
-        std::ranges::count(std::span(f.vertex_columns, f.vertex_column_count), attribute) != 0;
-    if (reads && enabled_[i].runs && has_cells(f)) return true;
-    named |= reads;
+    const suture_functor* const on_parts = part_functor(i);
+    const bool is_read_on_parts = on_parts != nullptr && reads(*on_parts);
+    if (enabled_[i].runs && ((reads(f) && has_cells(f)) || is_read_on_parts)) return true;
+    named |= reads(f) || is_read_on_parts;
   }
   return !named;
 }
 
-/// False if no element of the region has the shape that the functor is written for;
+/// False if no full element of the region has the shape that the functor is written for;
 /// known once the region is.
 bool Instance::has_cells(const suture_functor& functor) const {
   const Index elements = table(3).cells.size();
   if (elements == 0 || functor.dimension != 3 || functor.shape == SUTURE_ANY_SHAPE) return true;
-  return functor.shape == SUTURE_PARALLELEPIPED ? general_begin > 0 || has_parts()
-                                                : general_begin < part_begin;
+  return functor.shape == SUTURE_PARALLELEPIPED ? general_begin > 0 : general_begin < part_begin;
 }
 
 bool Instance::uses(int dimension) const {
@@ -229,8 +231,11 @@ CellSet Instance::region(const RestPlaces& rest, std::vector<Index> elements) {
     const auto has_parallel_edges = [&](Index e) { return is_parallelepiped(rest.of(e)); };
     const auto general = std::stable_partition(elements.begin(), partial, has_parallel_edges);
     general_begin = static_cast<Index>(general - elements.begin());
+    const auto skewed = std::stable_partition(elements.begin(), general,
+                                              [&](Index e) { return is_box(rest.of(e)); });
+    skewed_begin = static_cast<Index>(skewed - elements.begin());
   } else {
-    general_begin = part_begin;
+    skewed_begin = general_begin = part_begin;
   }
   if (elements.size() == count && std::ranges::is_sorted(elements)) return CellSet::all(count);
   return CellSet::of(std::move(elements), count);
@@ -242,6 +247,7 @@ void Instance::build(CellComplex& complex, const RestPlaces& rest, std::vector<I
   table(3).cells = region(rest, std::move(elements));
   built_rows_ = table(3).cells.size();
   may_get_parts_ = rest.parts().may_grow();
+  parts_are_general_ = rest.parts().are_general();
   if (has_parts() || may_get_parts_) find_part_functors();
   fill_parts(rest.parts(), part_begin);
   find_needed();
@@ -257,21 +263,31 @@ void Instance::build(CellComplex& complex, const RestPlaces& rest, std::vector<I
   fill_columns();
 }
 
+/// Functors of one shape compute all parts.
 void Instance::find_part_functors() {
+  const std::span functors(model_.functors, model_.functor_count);
+  const std::uint32_t shape = parts_are_general_ ? SUTURE_GENERAL : SUTURE_PARALLELEPIPED;
+  const bool has_functor = std::ranges::count(functors, shape, &suture_functor::shape) != 0;
   for (std::uint32_t i = 0; i < model_.functor_count; ++i) {
-    const suture_functor& f = model_.functors[i];
-    part_functors_.push_back(functor_on_parts(f));
-    if (!enabled_[i].runs || f.shape == SUTURE_GENERAL || allows_parts(f)) continue;
-    const Index all = table(3).cells.size();
-    const std::string fault = title() + ": functor '" + f.name +
-                              "' is not made for elements of which only a part is material, as ";
-    if (!has_parts())
-      throw InputError(fault +
-                       "cuts with \"along\": \"blade\" make them; cut along \"faces\", or choose "
-                       "another model");
-    throw InputError(fault + std::to_string(all - part_begin) + " of " + std::to_string(all) +
-                     " elements are; fill the body with whole elements, or choose another model");
+    const suture_functor& f = functors[i];
+    const bool is_of_other = f.shape != SUTURE_ANY_SHAPE && f.shape != shape;
+    const bool is_left_to_another = is_of_other && (has_functor || f.shape == SUTURE_GENERAL);
+    part_functors_.push_back(is_of_other ? nullptr : functor_on_parts(f));
+    if (enabled_[i].runs && !is_left_to_another && (is_of_other || !allows_parts(f)))
+      refuse_parts(f);
   }
+}
+
+void Instance::refuse_parts(const suture_functor& functor) const {
+  const Index all = table(3).cells.size();
+  const std::string fault = title() + ": functor '" + functor.name +
+                            "' is not made for elements of which only a part is material, as ";
+  if (!has_parts())
+    throw InputError(fault +
+                     "cuts with \"along\": \"blade\" make them; cut along \"faces\", or choose "
+                     "another model");
+  throw InputError(fault + std::to_string(all - part_begin) + " of " + std::to_string(all) +
+                   " elements are; fill the body with whole elements, or choose another model");
 }
 
 void Instance::add_copies(std::span<const Split> copies, const ElementParts& parts) {
@@ -295,36 +311,24 @@ void Instance::add_copies(std::span<const Split> copies, const ElementParts& par
   fill_parts(parts, first_row);
 }
 
-/// Rows before the first part, in its block, and behind the last are never used.
 void Instance::fill_parts(const ElementParts& parts, Index first_row) {
   if (!has_parts()) return;
-  constexpr Index lanes = SUTURE_LANES;
-  constexpr std::size_t block = std::size_t{SUTURE_PART_COMPONENTS} * lanes;
-  const Index rows = table(3).cells.size(), first = part_begin / lanes;
-  part_blocks_.resize(((rows + lanes - 1) / lanes - first) * block, 0);
+  const Index rows = table(3).cells.size(), lanes = SUTURE_LANES;
+  moments_.resize(part_begin, rows);
+  if (parts_are_general_) general_parts_.resize(part_begin, rows);
+  // Behind the last one, in its block, are copies of it, so that nobody divides by 0.
   for (Index row = first_row; row < (rows + lanes - 1) / lanes * lanes; ++row) {
-    const PartMoments& m = *parts.of(table(3).cells.cell(std::min(row, rows - 1)));
+    const Index element = table(3).cells.cell(std::min(row, rows - 1));
+    const PartMoments& m = *parts.of(element);
     const auto& [x, y, z] = m.centroid;
     const auto& [yz, xz, xy] = m.covariance;
-    double* to = part_blocks_.data() + (row / lanes - first) * block + row % lanes;
-    for (const double value : {m.fraction, x, y, z, yz + y * z, xz + x * z, xy + x * y}) {
-      *to = value;
-      to += lanes;
-    }
+    moments_.set(row, std::array{m.fraction, x, y, z, yz + y * z, xz + x * z, xy + x * y});
+    if (!parts_are_general_) continue;
+    std::array<double, SUTURE_GENERAL_PART_COMPONENTS> values{m.fraction};
+    for (std::size_t i = 0; i < 12; ++i)
+      values[i + 1] = parts.general(element).gradients[i / 3][i % 3];
+    general_parts_.set(row, values);
   }
-}
-
-const double* Instance::part_column() const {
-  constexpr std::size_t block = std::size_t{SUTURE_PART_COMPONENTS} * SUTURE_LANES;
-  const auto address = reinterpret_cast<std::uintptr_t>(part_blocks_.data());
-  return reinterpret_cast<const double*>(address -
-                                         part_begin / SUTURE_LANES * block * sizeof(double));
-}
-
-double Instance::part_moment(Index row, std::size_t component) const {
-  const std::size_t block = row / SUTURE_LANES - part_begin / SUTURE_LANES;
-  return part_blocks_[(block * SUTURE_PART_COMPONENTS + component) * SUTURE_LANES +
-                      row % SUTURE_LANES];
 }
 
 Column* Instance::parameter_column(std::size_t parameter) const {

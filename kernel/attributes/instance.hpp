@@ -10,11 +10,13 @@
 
 #include "kernel/attributes/findings.hpp"
 #include "kernel/attributes/own_rest.hpp"
+#include "kernel/attributes/part_column.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/base/diagnostics.hpp"
 #include "kernel/plugin_host/guarded_array.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/topology/cell_complex.hpp"
+#include "suture/parts.h"
 
 namespace suture {
 
@@ -24,7 +26,8 @@ CellSet all_cells(const CellComplex& complex, int dimension);
 
 /// Whether the values of an attribute are a column of the kernel, not of an instance.
 inline bool is_of_kernel(const suture_attribute& attribute) {
-  return (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_FIELD | SUTURE_CAPACITY)) != 0;
+  return (attribute.flags & (SUTURE_SHARED_MASS | SUTURE_FIELD | SUTURE_CAPACITY |
+                             SUTURE_RELAXATION | SUTURE_FIELD_RATE)) != 0;
 }
 
 /// Values that a scene gives to a column of a model.
@@ -127,6 +130,10 @@ class Instance {
   suture_context& context(unsigned worker) { return workers_[worker]->context; }
   void set_workers(unsigned count);
 
+  /// The pairs of faces between which functors on lips act (attributes/lips.hpp): the first lies on
+  /// an element of the region. By ascending faces; set before build().
+  std::vector<Seam> lips;
+
   /// Passes on what the model has reported; throws InputError for its errors.
   void deliver_findings(Diagnostics& diagnostics) { findings_.deliver(title(), diagnostics); }
 
@@ -134,8 +141,11 @@ class Instance {
   /// parallelepipeds come first. table(3).cells.size() if no functor of the
   /// model asks for the shape (nothing is classified then).
   Index general_begin = 0;
-  /// First row of table(3) whose element is only in part material; these come last, and are
-  /// parallelepipeds. table(3).cells.size() if there are none.
+  /// First row of a parallelepiped that is no box: boxes come first of all. No batch of a functor
+  /// on parallelepipeds holds both.
+  Index skewed_begin = 0;
+  /// First row of table(3) whose element is only in part material; these come last, whatever their
+  /// shape. table(3).cells.size() if there are none.
   Index part_begin = 0;
   bool has_parts() const { return part_begin < table(3).cells.size(); }
   /// Whether copies of elements may become parts (ElementParts::may_grow()).
@@ -151,11 +161,14 @@ class Instance {
   const suture_functor* part_functor(std::size_t number) const {
     return part_functors_.empty() ? nullptr : part_functors_[number];
   }
-  bool is_general(Index row) const { return row >= general_begin && row < part_begin; }
-  /// SUTURE_PART_COLUMN, in blocks of 8 rows. `data` is where row 0 would be: rows before
-  /// part_begin take no memory and must not be read.
-  const double* part_column() const;
-  double part_moment(Index row, std::size_t component) const;
+  /// Whether functors of SUTURE_GENERAL shape compute the row.
+  bool is_general(Index row) const {
+    return row < part_begin ? row >= general_begin : parts_are_general_;
+  }
+  /// SUTURE_PART_COLUMN or SUTURE_GENERAL_PART_COLUMN, from part_begin on.
+  const PartColumn& part_column(std::uint32_t place) const {
+    return place == SUTURE_PART_COLUMN ? moments_ : general_parts_;
+  }
 
  private:
   struct Worker {
@@ -172,6 +185,7 @@ class Instance {
   CellSet region(const RestPlaces& rest, std::vector<Index> elements);
 
   void find_part_functors();
+  [[noreturn]] void refuse_parts(const suture_functor& functor) const;
   void fill_parts(const ElementParts& parts, Index first_row);
   void fill_parameter_columns();
   void fill_columns();
@@ -185,12 +199,14 @@ class Instance {
   std::vector<std::uint32_t> changed_fields_;
   std::array<Table, 4> tables_;
   std::vector<Column*> columns_, shared_columns_;
-  AlignedVector<double> part_blocks_;                 ///< from the block of part_begin on
-  std::vector<const suture_functor*> part_functors_;  ///< empty if there are no parts
-  std::vector<Enabled> enabled_;                      ///< by position in model().functors
-  std::vector<bool> needed_;                          ///< by position in model().attributes
+  PartColumn moments_{SUTURE_PART_COMPONENTS};
+  PartColumn general_parts_{SUTURE_GENERAL_PART_COMPONENTS};  ///< if parts_are_general_
+  std::vector<const suture_functor*> part_functors_;          ///< empty if there are no parts
+  std::vector<Enabled> enabled_;                              ///< by position in model().functors
+  std::vector<bool> needed_;                                  ///< by position in model().attributes
   bool skip_;
   bool may_get_parts_ = false;
+  bool parts_are_general_ = false;
   Index built_rows_ = 0;  ///< of table(3)
   void* own_memory() const { return prepared_ ? prepared_->data() : nullptr; }
   std::span<double> behind_own_memory() const;

@@ -10,7 +10,8 @@
 // The deformation gradient of a trilinear hexahedron at its centre,
 //   F = sum_a A_a x G_a,
 // with A_a the mean of the four edges along axis a and G_a the reciprocal of those at rest. If only
-// a part of the element is material, F is the mean over the part.
+// a part of the element is material, the edges are means over it in local coordinates, and F is the
+// mean gradient if the element is a parallelepiped.
 
 namespace suture {
 
@@ -66,7 +67,8 @@ inline std::array<Vec3, 3> reciprocals(const std::array<Vec3, 3>& A) {
   return G;
 }
 
-/// The rows of F; `G`: reciprocals() of the mean edges at rest. `part`: as for mean_edges().
+/// The rows of F; `G`: reciprocals() of the mean edges at rest, of the same part. `part`: as for
+/// mean_edges().
 inline std::array<Vec3, 3> mean_gradient(const HexahedronNodes& x, const std::array<Vec3, 3>& G,
                                          const PartMoments* part = nullptr) {
   const std::array<Vec3, 3> A = mean_edges(x, part);

@@ -36,6 +36,19 @@ bool is_parallelepiped(const HexahedronNodes& x) {
   return true;
 }
 
+bool is_box(const HexahedronNodes& x) {
+  for (std::size_t d = 0; d < 3; ++d) {
+    std::array<Vec3, 4> edges;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto [a, b] = hexahedron::edge_vertices[4 * d + i];
+      edges[i] = x[b] - x[a];
+    }
+    const Vec3 sum = (edges[0] + edges[1]) + (edges[2] + edges[3]);
+    if (sum[(d + 1) % 3] != 0 || sum[(d + 2) % 3] != 0) return false;
+  }
+  return true;
+}
+
 double hexahedron_volume(const HexahedronNodes& x) {
   const std::array<Vec3, 8> v = {x[0], x[1], x[3], x[2], x[4], x[5], x[7], x[6]};
   return (triple((v[3] - v[1]) + (v[7] - v[2]), v[6] - v[3], v[2] - v[0]) +

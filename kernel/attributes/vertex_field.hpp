@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "kernel/attributes/column.hpp"
@@ -12,7 +13,13 @@ namespace suture {
 struct VertexField {
   std::string name, unit;
   Column* values = nullptr;
-  Column* capacity = nullptr;  ///< sums of what models contribute; nullptr: no model does
+  bool is_rising = false;  ///< in a step (SUTURE_RISING)
+  // Sums of what models contribute; nullptr: no model does.
+  Column* capacity = nullptr;
+  Column* relaxation = nullptr;  ///< SUTURE_RELAXATION
+  Column* rate = nullptr;        ///< SUTURE_FIELD_RATE; nullptr: no model declares it
+
+  std::array<Column*, 2> sums() const { return {capacity, relaxation}; }
 };
 
 }  // namespace suture

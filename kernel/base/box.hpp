@@ -20,6 +20,9 @@ inline constexpr Box no_box = [] {
   return Box{{far, far, far}, {-far, -far, -far}};
 }();
 
+/// The box that holds all places.
+inline constexpr Box everywhere{no_box.high, no_box.low};
+
 inline void include(Box& box, const Vec3& p) {
   for (std::size_t a = 0; a < 3; ++a) {
     box.low[a] = std::min(box.low[a], p[a]);

@@ -7,8 +7,10 @@
 #include <sstream>
 #include <utility>
 
+#include "kernel/attributes/lips.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/build/add_fields.hpp"
 #include "kernel/build/cell_values.hpp"
@@ -26,6 +28,7 @@
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
+#include "kernel/parts/align_axes.hpp"
 #include "kernel/parts/fill_labels.hpp"
 #include "kernel/parts/fill_shape.hpp"
 #include "kernel/parts/lattice.hpp"
@@ -37,6 +40,7 @@ namespace {
 
 /// What the import needed meanwhile is gone before the columns come.
 Imported import_and_trim(Mesh mesh, const Scene& scene, Diagnostics& diagnostics) {
+  if (scene.divides_elements() && mesh.parts.empty()) align_axes(mesh.hexahedra);
   Imported imported = import_mesh(std::move(mesh), scene.mesh.import, diagnostics);
   trim_heap();
   return imported;
@@ -141,6 +145,7 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   add_terms();
   add_fields(scene_, selector_, body_, [&](Index v) { return node_text(v); });
   add_contact(diagnostics);
+  open_lips();
 }
 
 /// Before the models, which must allow it.
@@ -151,13 +156,10 @@ void BuiltScene::let_parts_grow() {
   if (const Index e = first_off_lattice(body_.complex()); e != none)
     throw InputError(
         path + "element " + std::to_string(element_name(e)) +
-        " and a neighbour are not numbered along the same axes; a blade may divide the "
-        "elements of a regular grid only. Cut along \"faces\" instead");
-  try {
-    body_.attributes().let_parts_grow(body_.complex());
-  } catch (const InputError& error) {
-    throw InputError(path + error.what());
-  }
+        " and a neighbour do not lie along the same axes, as around an inner edge with three or "
+        "five elements; a blade may divide meshes of mapped blocks only. Cut along \"faces\" "
+        "instead");
+  body_.attributes().let_parts_grow(body_.complex());
   parts_.let_grow(body_.complex());
 }
 
@@ -185,14 +187,45 @@ void BuiltScene::add_models(Diagnostics& diagnostics) {
   std::vector<std::vector<GivenColumn>> given = read_values();
   for (std::size_t i = 0; i < scene_.models.size(); ++i) {
     const ModelUse& use = scene_.models[i];
+    auto instance = std::make_unique<Instance>(*use.model, use.name, use.parameters, diagnostics,
+                                               skips_, std::move(given[i]));
     std::vector<Index> region;
-    if (!std::holds_alternative<Selection::All>(use.region.what))
+    if (use.between)
+      region = add_lips(*instance, use);
+    else if (!std::holds_alternative<Selection::All>(use.region.what))
       region = selector_.elements(use.region);
-    body_.attributes().add(std::make_unique<Instance>(*use.model, use.name, use.parameters,
-                                                      diagnostics, skips_, std::move(given[i])),
-                           complex, std::move(region));
+    body_.attributes().add(std::move(instance), complex, std::move(region));
   }
   body_.compile(diagnostics, scene_.solver.threads);
+}
+
+/// The faces between two regions. Returns the elements of the first that have some.
+std::vector<Index> BuiltScene::add_lips(Instance& instance, const ModelUse& use) {
+  const std::string path = use.path + "/between: ";
+  if (scene_.solver.sleep_acceleration > 0)
+    throw InputError(path + "needs a run without sleep; remove \"sleep\" in /solver");
+  const std::vector<Index> a = selector_.elements((*use.between)[0]),
+                           b = selector_.elements((*use.between)[1]);
+  if (const auto common = std::ranges::find_first_of(a, b); common != a.end())
+    throw InputError(path + "element " + std::to_string(element_name(*common)) +
+                     " is in both regions, which must have no element in common");
+  instance.lips = faces_between(body_.complex(), a, b);
+  if (instance.lips.empty())
+    throw InputError(path + "no element of one region has a face in the other");
+  std::vector<Index> region;
+  for (const Seam& lips : instance.lips) region.push_back(element_of(lips.one));
+  sort_unique(region);
+  return region;
+}
+
+/// Everything that is there follows this cut, as it does one of an event.
+void BuiltScene::open_lips() {
+  std::vector<Dart> faces;
+  for (const auto& instance : body_.attributes().instances())
+    for (const Seam& lips : instance->lips)
+      faces.push_back(std::min(lips.one, face_of(lips.other)));
+  sort_unique(faces);
+  if (!faces.empty()) body_.cut(faces);
 }
 
 /// What the scene gives to columns of its models; the values of arrays are not needed after that.

@@ -75,6 +75,8 @@ class BuiltScene {
   void let_parts_grow();
   void name_elements();
   void add_models(Diagnostics& diagnostics);
+  std::vector<Index> add_lips(Instance& instance, const ModelUse& use);
+  void open_lips();
   std::vector<std::vector<GivenColumn>> read_values();
   void add_constraints();
   std::vector<Index> graspable(const Grasp& grasp, double time);

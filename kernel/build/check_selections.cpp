@@ -55,7 +55,9 @@ class SelectionCheck {
     std::vector<char> covered(selector_.element_count());
     bool known = true;
     for (const ModelUse& use : models) {
-      if (std::holds_alternative<Selection::All>(use.region.what))
+      if (use.between)
+        for (const Selection& side : *use.between) attempt([&] { selector_.elements(side); });
+      else if (std::holds_alternative<Selection::All>(use.region.what))
         std::ranges::fill(covered, 1);
       else
         known &= attempt([&] {
@@ -78,9 +80,7 @@ class SelectionCheck {
 
   // What geometry selects is known when the event comes.
   void names(const std::optional<Selection>& where) {
-    if (where && (std::holds_alternative<Selection::Ids>(where->what) ||
-                  std::holds_alternative<Selection::Named>(where->what)))
-      attempt([&] { selector_.elements(*where); });
+    if (where && where->is_listed()) attempt([&] { selector_.elements(*where); });
   }
   void pairs(const std::string& path, const std::vector<std::array<std::uint64_t, 2>>& pairs) {
     for (std::size_t i = 0; i < pairs.size(); ++i)

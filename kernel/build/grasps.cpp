@@ -47,9 +47,7 @@ std::vector<Index> BuiltScene::graspable(const Grasp& grasp, double time) {
         *grasp.obstacle, time, grasp.reach.value_or(touching * body_.contact()->mean_edge()));
   const Selection& where = grasp.held.where;
   std::vector<Index> found = selector_.vertices_now(where, body_.attributes().position().rows());
-  if (!std::holds_alternative<Selection::Ids>(where.what) &&
-      !std::holds_alternative<Selection::Named>(where.what))
-    return found;
+  if (!where.is_listed()) return found;
   const std::vector<Index>& point = body_.user_vertex();
   std::vector<bool> listed(names_.point_count);
   for (const Index v : found) listed[point[v]] = true;

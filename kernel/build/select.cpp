@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "kernel/base/box.hpp"
 #include "kernel/base/box_text.hpp"
@@ -19,6 +20,18 @@
 namespace suture {
 namespace {
 
+double tolerance_of(const Selection::Plane& plane, double diagonal) {
+  return plane.tolerance < 0 ? Selection::default_tolerance * diagonal : plane.tolerance;
+}
+
+/// Of a box from a point, rounded down.
+double least_distance(const Box& box, const Vec3& p) {
+  Vec3 beside;
+  for (std::size_t a = 0; a < 3; ++a)
+    beside[a] = std::max({box.low[a] - p[a], 0.0, p[a] - box.high[a]});
+  return (1 - 1e-14) * norm(beside);
+}
+
 // Whether a point lies in a geometric selection. `diagonal`: of the mesh, m.
 struct Contains {
   const Vec3& p;
@@ -31,9 +44,7 @@ struct Contains {
     return true;
   }
   bool operator()(const Selection::Plane& s) const {
-    const double tolerance =
-        s.tolerance < 0 ? Selection::default_tolerance * diagonal : s.tolerance;
-    return std::abs(dot(minus(p, s.point), s.normal)) <= tolerance * norm(s.normal);
+    return std::abs(dot(minus(p, s.point), s.normal)) <= tolerance_of(s, diagonal) * norm(s.normal);
   }
   bool operator()(const Selection::HalfSpace& s) const {
     return dot(minus(p, s.point), s.normal) >= 0;
@@ -42,6 +53,68 @@ struct Contains {
   bool operator()(const Selection::Nearest&) const { return false; }
   bool operator()(const Selection::Ids&) const { return false; }
   bool operator()(const Selection::Named&) const { return false; }
+};
+
+/// False only if no point of a box lies in a geometric selection.
+struct MayHold {
+  const Box& box;
+  double diagonal;
+  bool operator()(const Selection::All&) const { return true; }
+  bool operator()(const Selection::InBox& b) const { return overlap(box, {b.min, b.max}); }
+  bool operator()(const Selection::Plane& s) const {
+    const auto [low, high] = heights_of(box, s.point, s.normal);
+    const double reach = tolerance_of(s, diagonal) * norm(s.normal);
+    return low <= reach && high >= -reach;
+  }
+  bool operator()(const Selection::HalfSpace& s) const {
+    return heights_of(box, s.point, s.normal)[1] >= 0;
+  }
+  bool operator()(const Selection::Sphere& s) const {
+    return least_distance(box, s.centre) <= s.radius;
+  }
+  bool operator()(const Selection::Nearest&) const { return false; }
+  bool operator()(const Selection::Ids&) const { return false; }
+  bool operator()(const Selection::Named&) const { return false; }
+};
+
+/// The first of those cells that are as near to a point as the nearest one, to within the tie.
+class NearestSearch {
+ public:
+  explicit NearestSearch(const Selection::Nearest& wanted) : wanted_(wanted) {}
+
+  /// Looks at blocks from the nearest one on.
+  template <class Place>
+  void look(const ElementBlocks* blocks, Index count, Place place) {
+    const std::vector<Box> boxes = blocks ? blocks->boxes() : std::vector{everywhere};
+    const Index size = blocks ? ElementBlocks::size : count;
+    std::vector<std::pair<double, Index>> order;
+    for (const Box& box : boxes)
+      order.emplace_back(least_distance(box, wanted_.point), static_cast<Index>(order.size()));
+    std::ranges::sort(order);
+    for (const auto& [distance, block] : order) {
+      if (distance > nearest_ + wanted_.tie) break;
+      for (Index cell = block * size; cell < std::min((block + 1) * size, count); ++cell)
+        if (const std::optional<Vec3> p = place(cell)) add(cell, norm(minus(*p, wanted_.point)));
+    }
+  }
+
+  std::vector<Index> found() const {
+    Index first = none;
+    for (const auto& [distance, cell] : candidates_)
+      if (distance <= nearest_ + wanted_.tie) first = std::min(first, cell);
+    return first == none ? std::vector<Index>{} : std::vector{first};
+  }
+
+ private:
+  void add(Index cell, double distance) {
+    if (!(distance <= nearest_ + wanted_.tie)) return;
+    nearest_ = std::min(nearest_, distance);
+    candidates_.emplace_back(distance, cell);
+  }
+
+  const Selection::Nearest& wanted_;
+  double nearest_ = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, Index>> candidates_;
 };
 
 /// The box of a column of places.
@@ -142,26 +215,25 @@ bool Selector::contains(const Selection& selection, const Vec3& p) const {
   return std::visit(Contains{p, diagonal_}, selection.what);
 }
 
-/// Cells selected by where they are, ascending: at(cell) of those that exist(cell).
-template <class Exists, class At>
-std::vector<Index> Selector::located(const Selection& selection, Index count, Exists exists,
-                                     At at) const {
+/// Cells selected by where they are, ascending: place(cell), which removed ones do not have.
+/// `blocks`: of the cells, if they are elements.
+template <class Place>
+std::vector<Index> Selector::located(const Selection& selection, Index count,
+                                     const ElementBlocks* blocks, Place place) const {
   std::vector<Index> result;
-  if (std::holds_alternative<Selection::Ids>(selection.what) ||
-      std::holds_alternative<Selection::Named>(selection.what))
-    return result;  // these are listed, wherever they are
-  const auto* near = std::get_if<Selection::Nearest>(&selection.what);
-  double nearest = std::numeric_limits<double>::infinity();
-  for (Index cell = 0; cell < count; ++cell) {
-    if (!exists(cell)) continue;
-    const Vec3 place = at(cell);
-    if (contains(selection, place)) result.push_back(cell);
-    const double distance = near ? norm(minus(place, near->point)) : nearest;
-    if (near && distance < nearest - near->tie) {
-      nearest = distance;
-      result.assign(1, cell);
-    }
+  if (selection.is_listed()) return result;
+  if (const auto* near = std::get_if<Selection::Nearest>(&selection.what)) {
+    NearestSearch search(*near);
+    search.look(blocks, count, place);
+    return search.found();
   }
+  const auto may_hold = [&](const Box& box) {
+    return std::visit(MayHold{box, diagonal_}, selection.what);
+  };
+  SearchedElements(blocks, count, may_hold).for_each([&](Index cell) {
+    const std::optional<Vec3> p = place(cell);
+    if (p && contains(selection, *p)) result.push_back(cell);
+  });
   return result;
 }
 
@@ -189,16 +261,16 @@ std::vector<char> Selector::vertex_mask(const Selection& selection, const double
 
 std::vector<Index> Selector::located_vertices(const Selection& selection,
                                               const double* rows) const {
-  const auto at = [&](Index v) {
-    const double* row = rows + std::size_t{v} * 4;
-    return Vec3{row[0], row[1], row[2]};
+  const auto located_where = [&](auto is_there) {
+    return located(selection, rest_.size(), nullptr, [&](Index v) -> std::optional<Vec3> {
+      const double* row = rows + std::size_t{v} * 4;
+      if (!is_there(v)) return {};
+      return Vec3{row[0], row[1], row[2]};
+    });
   };
-  if (parts_.empty())
-    return located(
-        selection, rest_.size(), [&](Index v) { return imported_.complex.exists(0, v); }, at);
+  if (parts_.empty()) return located_where([&](Index v) { return imported_.complex.exists(0, v); });
   const NodePlaces places = node_places(parts_, imported_.complex);
-  std::vector<Index> result = located(
-      selection, rest_.size(), [&](Index v) { return places.is_inside[v] != 0; }, at);
+  std::vector<Index> result = located_where([&](Index v) { return places.is_inside[v] != 0; });
   for (const auto& [vertex, place] : places.crossings) {
     const Hexahedron& nodes = imported_.complex.vertices_of(place.element);
     if (contains(selection, place_in(nodes, place.at, rows, 4))) result.push_back(vertex);
@@ -266,12 +338,13 @@ std::vector<Index> Selector::elements(const Selection& selection) const {
   return result;
 }
 
-std::vector<Index> Selector::located_elements(const Selection& selection,
-                                              const double* rows) const {
+std::vector<Index> Selector::located_elements(const Selection& selection, const double* rows,
+                                              const ElementBlocks* blocks) const {
   const CellComplex& complex = imported_.complex;
-  return located(
-      selection, complex.element_count(), [&](Index e) { return complex.exists(3, e); },
-      [&](Index e) { return centroid_of(e, rows); });
+  return located(selection, complex.element_count(), blocks, [&](Index e) -> std::optional<Vec3> {
+    if (!complex.exists(3, e)) return {};
+    return centroid_of(e, rows);
+  });
 }
 
 Vec3 Selector::centroid_of(Index e, const double* rows) const {
@@ -281,7 +354,8 @@ Vec3 Selector::centroid_of(Index e, const double* rows) const {
   return place_in(nodes, parts_.moments[part].centroid, rows, 4);
 }
 
-std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows) const {
+std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows,
+                                          const ElementBlocks* blocks) const {
   std::vector<Index> result = listed_elements(selection);
   const std::size_t listed = result.size();  // copies of them, too
   for (auto e = static_cast<Index>(names_.element_count); e < element_count() && listed > 0; ++e)
@@ -289,7 +363,7 @@ std::vector<Index> Selector::elements_now(const Selection& selection, const doub
                            imported_.element_of[imported_.user_element[e]]))
       result.push_back(e);
   std::erase_if(result, [&](Index e) { return !imported_.complex.exists(3, e); });
-  const std::vector<Index> located = located_elements(selection, rows);
+  const std::vector<Index> located = located_elements(selection, rows, blocks);
   result.insert(result.end(), located.begin(), located.end());
   return result;
 }

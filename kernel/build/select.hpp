@@ -7,6 +7,7 @@
 
 #include "kernel/attributes/column.hpp"
 #include "kernel/build/translate.hpp"
+#include "kernel/geometry/element_blocks.hpp"
 #include "kernel/parts/surface_triangle.hpp"
 #include "kernel/topology/import.hpp"
 
@@ -53,8 +54,10 @@ class Selector {
   /// The same for ids and sets; empty for other selections, and for an empty set.
   std::vector<Index> listed_elements(const Selection& selection) const;
   /// The same during a run: the remaining elements, by their centroids, where vertex v is at rows[4
-  /// v]. Copies of named elements are named, too. May be empty.
-  std::vector<Index> elements_now(const Selection& selection, const double* rows) const;
+  /// v]. Copies of named elements are named, too. May be empty. With `blocks`, of the vertices
+  /// there, only those nearby are looked at.
+  std::vector<Index> elements_now(const Selection& selection, const double* rows,
+                                  const ElementBlocks* blocks = nullptr) const;
   /// One dart of each boundary face whose four vertices are selected.
   std::vector<Dart> boundary_faces(const Selection& selection) const;
   /// The triangles of the embedded surface whose three corners are selected, by their places or as
@@ -76,9 +79,11 @@ class Selector {
   bool contains(const Selection& selection, const Vec3& p) const;
   Vec3 centroid_of(Index e, const double* rows) const;
   std::vector<Index> located_vertices(const Selection& selection, const double* rows) const;
-  template <class Exists, class At>
-  std::vector<Index> located(const Selection& selection, Index count, Exists exists, At at) const;
-  std::vector<Index> located_elements(const Selection& selection, const double* rows) const;
+  template <class Place>
+  std::vector<Index> located(const Selection& selection, Index count, const ElementBlocks* blocks,
+                             Place place) const;
+  std::vector<Index> located_elements(const Selection& selection, const double* rows,
+                                      const ElementBlocks* blocks = nullptr) const;
   std::vector<Index> listed_vertices(const Selection& selection) const;
   std::vector<char> point_mask(const Selection& selection, const EmbeddedPoints& points) const;
   std::vector<char> vertex_mask(const Selection& selection, const double* rows) const;

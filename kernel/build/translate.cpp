@@ -57,6 +57,9 @@ struct Translation {
   void operator()(Selection::Ids&) const {}
   void operator()(Selection::Named&) const {}
   void operator()(Selection& selection) const { std::visit(*this, selection.what); }
+  void operator()(std::array<Selection, 2>& sides) const {
+    for (Selection& side : sides) (*this)(side);
+  }
   template <class T>
   void operator()(std::optional<T>& value) const {
     if (value) (*this)(*value);
@@ -89,8 +92,7 @@ struct Translation {
   void operator()(Tear& tear) const { (*this)(tear.where); }
   void operator()(SewFaces& sew) const {
     (*this)(sew.where);
-    if (sew.between)
-      for (Selection& side : *sew.between) (*this)(side);
+    (*this)(sew.between);
   }
   void operator()(RemoveIslands& islands) const { (*this)(islands.outside); }
   void operator()(Constraint& constraint) const {
@@ -121,6 +123,7 @@ struct Translation {
   }
   void operator()(ModelUse& use) const {
     (*this)(use.region);
+    (*this)(use.between);
     for (CellValues& values : use.values) (*this)(values);
   }
   void operator()(Obstacle& obstacle) const {

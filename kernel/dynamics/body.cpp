@@ -6,6 +6,7 @@
 
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/contact/contact.hpp"
+#include "kernel/topology/marks.hpp"
 
 namespace suture {
 
@@ -13,6 +14,7 @@ Body::Body(Imported imported)
     : imported_(std::move(imported)),
       attributes_(imported_.complex, std::exchange(imported_.rest, {})),
       user_vertex_(std::move(imported_.user_vertex)) {
+  user_vertex_.reserve(2 * user_vertex_.size());  // for those that cuts make, like columns
   name_elements({});
   attributes_.set_parts(imported_.complex, std::exchange(imported_.parts, {}));
 }
@@ -141,8 +143,18 @@ std::vector<Vec3> Body::forces_at(std::span<const Index> vertices, double time) 
 
 namespace {
 
+/// Ascending, each once. Where they are many, marks take a tenth of the time of sorting.
 std::vector<Index> sorted_once(std::vector<Index> vertices) {
-  sort_unique(vertices);
+  if (vertices.empty()) return vertices;
+  const auto [least, most] = std::ranges::minmax(vertices);
+  if ((most - least) / 64 >= vertices.size()) {
+    sort_unique(vertices);
+    return vertices;
+  }
+  std::vector<std::uint64_t> marks((most - least) / 64 + 1);
+  for (const Index v : vertices) marks::mark(marks, v - least);
+  vertices = marks::marked(marks);
+  for (Index& v : vertices) v += least;
   return vertices;
 }
 
@@ -189,11 +201,16 @@ void Body::follow(const TopologyChange& change) {
   constraints_.update(change, attributes_);
   if (contact_) contact_->follow(complex(), change);
   if (islands_) islands_->update(complex(), change);
+  if (blocks_at_rest_ && change.copies.empty())
+    blocks_at_rest_->follow(complex(), change, {attributes_.rest().rows()});
+  else
+    blocks_at_rest_.reset();
   for (Follower* follower : followers_) follower->follow(complex(), change);
 }
 
 TopologyChange Body::cut(const std::vector<Dart>& faces) {
   std::vector<Index> vertices;
+  vertices.reserve(4 * faces.size());
   for (const Dart d : faces)
     for (const auto node : suture_hexahedron_faces[local_face(d)])
       vertices.push_back(complex().vertices_of(element_of(d))[node]);
@@ -229,8 +246,8 @@ TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts,
   vertices = equal.empty() ? sorted_once(std::move(vertices)) : around(std::move(vertices));
   TopologyChange done = change({vertices, false}, [&] {
     attributes_.bring_together(equal);
+    attributes_.begin_copies(complex(), parts, cloning.origins);
     TopologyChange change = complex().clone_volume(cloning);
-    attributes_.begin_copies(parts);
     is_cloned();
     return change;
   });
@@ -279,6 +296,11 @@ const Islands& Body::islands() {
   return *islands_;
 }
 
+const ElementBlocks& Body::blocks_at_rest() {
+  if (!blocks_at_rest_) blocks_at_rest_.emplace(complex(), Places{attributes_.rest().rows()});
+  return *blocks_at_rest_;
+}
+
 // -------------------------------------------------------------------- state --
 
 void Body::state(Archive& archive) {
@@ -286,6 +308,7 @@ void Body::state(Archive& archive) {
     attributes_.parameters(archive, complex());
     archive("complex", imported_.complex);
     archive("user vertex", user_vertex_);
+    if (archive.loads()) blocks_at_rest_.reset();
     if (attributes_.parts().may_grow()) {
       archive("copied elements", copied_element_);
       if (archive.loads()) name_copies(copied_element_);

@@ -14,6 +14,7 @@
 #include "kernel/dynamics/constraints.hpp"
 #include "kernel/fields/field_equation.hpp"
 #include "kernel/forces/force_loop.hpp"
+#include "kernel/geometry/element_blocks.hpp"
 #include "kernel/topology/import.hpp"
 #include "kernel/topology/islands.hpp"
 
@@ -145,6 +146,8 @@ class Body {
   const Islands& islands();
   /// The element of the mesh from which each element comes, in the numbers of the complex.
   std::vector<Index> origins() const;
+  /// Where blocks of elements are at rest; O(elements) at first and after copies were made.
+  const ElementBlocks& blocks_at_rest();
 
   /// Columns, terms and constraints; in a checkpoint, also the cells.
   void state(Archive& archive);
@@ -172,6 +175,7 @@ class Body {
   Constraints constraints_;
   std::unique_ptr<ContactLaw> contact_;
   std::optional<Islands> islands_;
+  std::optional<ElementBlocks> blocks_at_rest_;
   std::vector<Follower*> followers_;
   VertexSelection selection_;
 };

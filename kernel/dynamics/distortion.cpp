@@ -23,7 +23,7 @@ HexahedronNodes current(Body& body, Index element) {
 
 double smallest_stretch(const HexahedronNodes& x, const HexahedronNodes& rest,
                         const PartMoments* part) {
-  const auto e = green_lagrange(mean_gradient(x, reciprocals(mean_edges(rest)), part));
+  const auto e = green_lagrange(mean_gradient(x, reciprocals(mean_edges(rest, part)), part));
   Eigen::Matrix3d strain;
   strain << e[0], e[3], e[5], e[3], e[1], e[4], e[5], e[4], e[2];
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(strain, Eigen::EigenvaluesOnly);
@@ -33,7 +33,8 @@ double smallest_stretch(const HexahedronNodes& x, const HexahedronNodes& rest,
 /// The mean one for a part that is material: the corners of its element need not be.
 double smallest_jacobian(const HexahedronNodes& x, const HexahedronNodes& rest,
                          const PartMoments* part) {
-  if (part != nullptr) return determinant(mean_edges(x, part)) / determinant(mean_edges(rest));
+  if (part != nullptr)
+    return determinant(mean_edges(x, part)) / determinant(mean_edges(rest, part));
   const auto now = corner_jacobians(x), before = corner_jacobians(rest);
   double smallest = 1;
   for (std::size_t i = 0; i < now.size(); ++i)

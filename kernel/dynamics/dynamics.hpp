@@ -109,6 +109,8 @@ class Dynamics : private Follower {
  private:
   void require_masses();
   void solve_fields(double dt, double end);
+  double advance_fields(double dt, double end);
+  void take_turns(double dt, double end);
   void fields_have_changed();
   std::vector<Vec3> accelerations();
   void before(const ComingOperation& operation) override;

@@ -125,7 +125,7 @@ std::string FreePiece::motions() const {
 
 std::vector<FreePiece> find_free_pieces(const CellComplex& complex, Attributes& attributes,
                                         const std::vector<double>& force) {
-  const std::vector<Index> pieces = pieces_of(complex, attributes.vertex_count());
+  const std::vector<Index> pieces = pieces_of(complex, attributes);
   std::vector<Sums> sums;
   const auto for_each_vertex = [&](auto visit) {
     for (Index v = 0; v < pieces.size(); ++v) {

@@ -32,6 +32,9 @@ class Integrator {
   /// Performs the part of a step of length dt that a term may refuse. Throws the errors of terms
   /// (StepRejected: a smaller step may help); the previous state is intact then.
   virtual void begin(double dt) = 0;
+  /// Solves the equations of the step that has begun once more, after what forces depend on beside
+  /// the motion has changed; for implicit schemes. Errors as begin().
+  virtual void repeat() {}
   /// Does beforehand what a step of length dt can be spared.
   virtual void prepare(double /*dt*/) {}
   /// Completes the step: positions and velocities become those at `end` (= time() + dt, except for

@@ -14,6 +14,7 @@ namespace suture {
 namespace {
 
 constexpr Index pass_chunk = MotionSums::chunk;
+static_assert(pass_chunk % ElementBlocks::size == 0);
 /// Below, one thread is as fast. A pass between two parallel loops pays early, because
 /// threads that wait through it fall asleep.
 constexpr Index parallel_vertices = 8192;
@@ -77,6 +78,32 @@ void Motion::discard_forces() {
 void Motion::forget_forces() {
   discard_forces();
   ++jumps_;
+  is_placed_ = false;
+}
+
+void Motion::follow(const TopologyChange& change) {
+  const bool is_placed = is_placed_;
+  forget_forces();
+  if (!blocks_) return;
+  if (!change.copies.empty()) return blocks_.reset();
+  blocks_->follow(body_.complex(), change, places());
+  is_placed_ = is_placed;
+}
+
+const ElementBlocks& Motion::blocks() {
+  steps_since_asked_ = 0;
+  if (!blocks_)
+    blocks_.emplace(body_.complex(), places());
+  else if (!is_placed_)
+    blocks_->read(0, body_.attributes().vertex_count(), places());
+  is_placed_ = true;
+  return *blocks_;
+}
+
+/// Contact moves vertices after the pass.
+bool Motion::keeps_blocks() {
+  constexpr unsigned steps_kept = 512;
+  return blocks_ && !body_.contact() && ++steps_since_asked_ < steps_kept;
 }
 
 const LiveMask& Motion::moving() const {
@@ -178,18 +205,21 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
   const bool has_impulses = body_.contact() && !body_.contact()->is_term();
   const ContactStep step = has_impulses ? contact_step(kicks, dt, end) : ContactStep{};
   if (has_impulses) body_.contact()->prepare(step);
-  evaluated_ = false;
+  evaluated_ = is_placed_ = false;
+  const bool keeps_blocks = this->keeps_blocks();
   const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
     loops::PassSums sums;
     constraints.before_drift(attributes, g, first, last);
     if (run(&m, first, last, &sums) != 0) return false;
     constraints.apply(attributes, end, first, last);
+    if (keeps_blocks) blocks_->read(first, last, places());
     const DrivenWork driven = constraints.after_drift(attributes, unseen, dt, first, last, sums);
     if (unseen > 0) sums_.note_before(part, sums, {});
     sums_.note_after(part, sums, driven);
     return true;
   });
   if (!good) refuse_not_finite();
+  is_placed_ = keeps_blocks;
   const double contact = has_impulses ? resolve_contact(step) : 0;
   sums_.finish_step(last_ != 0 ? last_ : dt, dt, damping_ != 0, contact);
   time_ = end;
@@ -216,6 +246,7 @@ void Motion::kick(const Kick& kick) {
 
 void Motion::arrive(double dt, double end) {
   discard_forces();
+  is_placed_ = false;
   time_ = end;
   if (dt > 0) last_ = dt;
   for (const auto& term : body_.terms()) term->accept();
@@ -348,6 +379,7 @@ void Motion::state(Archive& archive) {
   if (archive.loads()) {
     forget_forces();
     clear_forces();  // a pass that failed has left some
+    if (archive.has_cells()) blocks_.reset();
   }
   archive("time", time_);
   archive("last step", last_);

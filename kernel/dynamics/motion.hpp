@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "kernel/dynamics/body.hpp"
 #include "kernel/dynamics/motion_sums.hpp"
 #include "kernel/forces/loops/loops.hpp"
+#include "kernel/geometry/element_blocks.hpp"
 
 namespace suture {
 
@@ -62,6 +64,12 @@ class Motion {
   void discard_forces();
   /// The state was changed other than by a step.
   void forget_forces();
+  /// The same by an operation, whose `change` is complete in the body.
+  void follow(const TopologyChange& change);
+
+  /// Where blocks of elements are now. O(vertices), but for the first call, in O(elements). Passes
+  /// of drifts then keep it up for a while, so that it is O(1) after steps without contact.
+  const ElementBlocks& blocks();
   /// How often the state was changed other than by a step.
   std::uint64_t jumps() const { return jumps_; }
 
@@ -114,6 +122,8 @@ class Motion {
  private:
   loops::Motion pass(std::span<const Kick> kicks) const;
   ContactStep contact_step(std::span<const Kick> kicks, double dt, double end) const;
+  Places places() const { return {body_.attributes().position().rows()}; }
+  bool keeps_blocks();
   double resolve_contact(const ContactStep& step);
   template <class Chunk>
   bool for_each_chunk(Chunk chunk) const;
@@ -133,6 +143,9 @@ class Motion {
   std::uint64_t jumps_ = 0;
   bool frozen_ = false;  // some vertices are
   LiveMask awake_;       // vertices, while some are frozen
+  std::optional<ElementBlocks> blocks_;
+  bool is_placed_ = false;          // blocks_ are of the present positions
+  unsigned steps_since_asked_ = 0;  // for blocks_
 };
 
 }  // namespace suture

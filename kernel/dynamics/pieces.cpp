@@ -7,7 +7,8 @@
 
 namespace suture {
 
-std::vector<Index> pieces_of(const CellComplex& complex, Index vertices) {
+std::vector<Index> pieces_of(const CellComplex& complex, const Attributes& attributes) {
+  const Index vertices = attributes.vertex_count();
   DisjointSets sets(vertices);
   std::vector<bool> used(vertices);
   for (Index e = 0; e < complex.element_count(); ++e) {
@@ -18,6 +19,10 @@ std::vector<Index> pieces_of(const CellComplex& complex, Index vertices) {
       sets.unite(nodes[0], v);
     }
   }
+  for (const auto& instance : attributes.instances())
+    for (const Seam& lips : instance->lips)
+      if (complex.exists(3, element_of(lips.one)) && complex.exists(3, element_of(lips.other)))
+        sets.unite(complex.origin(lips.one), complex.origin(lips.other));
   const auto root = [&](Index v) { return static_cast<Index>(sets.find(v)); };
   std::vector<Index> size(vertices), order, number(vertices, none);
   for (Index v = 0; v < vertices; ++v)

@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "kernel/topology/cell_complex.hpp"
+#include "kernel/attributes/attributes.hpp"
 
 namespace suture {
 
-/// The connected piece (island) that each of the first `vertices` vertices belongs to,
-/// numbered from the largest (in vertices); `none` for vertices without an element.
-/// O(elements).
-std::vector<Index> pieces_of(const CellComplex& complex, Index vertices);
+/// The connected piece (island) that each vertex belongs to, numbered from the largest (in
+/// vertices); `none` for vertices without an element. What a model on lips holds together is one
+/// piece. O(elements).
+std::vector<Index> pieces_of(const CellComplex& complex, const Attributes& attributes);
 
 }  // namespace suture

@@ -64,7 +64,7 @@ void FieldEquation::evaluate(double time) {
 
 double FieldEquation::stable_step(double time) {
   if (stable_ > 0 && steps_since_ < steps_between_bounds) return stable_;
-  find_diagonal(time);
+  find_diagonal(time, 0);
   stable_ = std::numeric_limits<double>::infinity();
   steps_since_ = 0;
   for (Index v = 0; v < attributes_.vertex_count(); ++v)
@@ -74,15 +74,25 @@ double FieldEquation::stable_step(double time) {
 
 // -------------------------------------------------------------------- steps --
 
-void FieldEquation::start(double time, bool steady) {
+void FieldEquation::start(double time, Steps steps) {
   find_held();
   has_fluxes_ = !fluxes_.adds_no_rows();
   for (const Held& held : held_) field_.values->rows()[held.vertex] = prescribed(held, time);
   balance_ = {};
   stable_ = 0;
   start_ = sum_content();
-  find_diagonal(time);
-  for (Index v = 0; v < attributes_.vertex_count() && !steady; ++v) {
+  find_diagonal(time, 0);
+  require_capacities(steps);
+}
+
+/// A field that follows the motion needs none in implicit steps.
+void FieldEquation::require_capacities(Steps steps) const {
+  if (steps == Steps::explicit_ && field_.rate)
+    throw InputError("field '" + field_.name +
+                     "' has rates that depend on its change, which explicit steps do not know; "
+                     "choose an implicit integrator");
+  if (steps == Steps::steady || (steps == Steps::implicit && feels_motion())) return;
+  for (Index v = 0; v < attributes_.vertex_count(); ++v) {
     if (sums_[v] == 0 || capacity(v) > 0 || is_prescribed(v)) continue;
     throw InputError("field '" + field_.name +
                      "': a node where models give it a rate has no capacity; add a model with a "
@@ -103,17 +113,25 @@ void FieldEquation::advance_explicitly(double time, double dt) {
   require_finite();
 }
 
-/// u += h (r + q) / C. What a prescribed vertex takes up beside its rate has come through it.
+/// u += h (r + q) / C. What a prescribed vertex takes up beside its rate has come through it; what
+/// a field that does not fall (SUTURE_RISING) would lose is not produced.
 void FieldEquation::explicit_step(double time, double dt) {
   evaluate(time);
   double* const u = field_.values->rows();
-  double produced = 0, in = 0;
+  double produced = 0, in = 0, lost = 0;
   for (Index v = 0; v < attributes_.vertex_count(); ++v) {
     produced += rate(v);
     in += flux(v);
-    const double c = capacity(v);
-    if (c > 0 && !is_prescribed(v)) u[v] += dt * (rate(v) + flux(v)) / c;
+    const double c = capacity(v), more = rate(v) + flux(v);
+    if (!(c > 0) || is_prescribed(v)) continue;
+    if (field_.is_rising && more < 0) {
+      produced -= more;
+    } else {
+      u[v] += dt * more / c;
+      lost += rate(v) * (dt * more / c);
+    }
   }
+  balance_.dissipated += lost;
   double through = 0;
   for (const Held& held : held_) {
     const Index v = held.vertex;
@@ -143,13 +161,14 @@ double FieldEquation::sum_content() const {
   return sum;
 }
 
-FieldBalance FieldEquation::balance() const {
+FieldBalance FieldEquation::balance(double time) {
   FieldBalance balance = balance_;
   balance.content = sum_content();
+  if (has_energy()) balance.energy = rates_.energy(time);
   return balance;
 }
 
-std::string FieldEquation::balance_text() const {
+std::string FieldEquation::balance_text() {
   const FieldBalance b = balance();
   const std::string unit = ' ' + unit_of_content();
   std::ostringstream text;
@@ -200,6 +219,7 @@ void FieldEquation::state(Archive& archive) {
   archive("inflow", balance_.inflow);
   archive("produced", balance_.produced);
   archive("changed", balance_.changed);
+  archive("dissipated", balance_.dissipated);
   archive("stable", stable_);
   archive("steps since", steps_since_);
   if (!archive.has_cells()) return;

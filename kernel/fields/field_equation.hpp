@@ -22,6 +22,9 @@ struct FieldBalance {
   double inflow = 0;    ///< by fluxes, and through vertices whose value is prescribed
   double produced = 0;  ///< by models; 0 for conduction
   double changed = 0;   ///< by operations, and between equilibria
+  /// Of a field whose rates are derivatives of an energy, J: that of field and deformation, and
+  /// what the field has lost of it on its way.
+  double energy = 0, dissipated = 0;
 };
 
 /// The equation of one field, by vertices:
@@ -52,28 +55,34 @@ class FieldEquation {
 
   // ---- steps ----
 
-  /// Starts at `time`. Throws InputError if a vertex takes part that has no capacity, unless
-  /// `steady`.
-  void start(double time, bool steady);
+  enum class Steps { explicit_, implicit, steady };
+  /// Starts at `time`. Throws InputError if these steps need what models do not give: a capacity
+  /// where a vertex takes part, or rates that depend on the present alone.
+  void start(double time, Steps steps);
   /// A step from `time` on, in steps of forward Euler that are short enough to be stable. Throws
   /// NumericalError if a value is not finite, and the errors of models.
   void advance_explicitly(double time, double dt);
-  /// The step of backward Euler that ends at `end`. Throws NumericalError if its equations are not
-  /// solved.
+  /// The step of backward Euler from the state of keep() that ends at `end`; again, if the motion
+  /// has changed. Throws NumericalError if its equations are not solved.
   void advance_implicitly(double end, double dt) { solve(end, 1 / dt); }
   /// The steady state at `time`. Throws as that.
   void settle(double time) { solve(time, 0); }
+  /// The largest change in the last of these calls, as a part of the largest value.
+  double relative_change() const;
+  bool feels_motion() const { return rates_.reads_motion(); }
   /// The longest stable step, s: 1 / lambda, lambda a bound on the eigenvalues of -C^-1 dr/du.
   double stable_step(double time);
 
   /// The models have other parameters.
   void forget_models() { stable_ = 0; }
 
-  FieldBalance balance() const;
+  FieldBalance balance(double time = 0);
+  /// Whether models say the energy of which its rates are derivatives.
+  bool has_energy() const { return rates_.has(ForceLoop::Part::with_energy); }
   /// When the last path or ramp ends, s.
   double last_change() const;
   /// "temperature: content 12 J; since the start, 3 J came in, ...".
-  std::string balance_text() const;
+  std::string balance_text();
   /// The unit of its content: "J".
   std::string unit_of_content() const;
 
@@ -81,7 +90,7 @@ class FieldEquation {
 
   void before_operation() { content_ = sum_content(); }
   void follow(const CellComplex& complex, const TopologyChange& change);
-  /// For a step that is refused: the state before it.
+  /// The state before a step, from which implicit steps start and to which restore() returns.
   void keep();
   void restore();
   void state(Archive& archive);
@@ -95,17 +104,21 @@ class FieldEquation {
   double prescribed(const Held& held, double time) const { return paths_[held.path].value(time); }
   void evaluate(double time);
   void explicit_step(double time, double dt);
+  void require_capacities(Steps steps) const;
   void require_finite() const;
   double sum_content() const;
   double capacity(Index v) const { return field_.capacity ? field_.capacity->rows()[v] : 0; }
+  double relaxation(Index v) const { return field_.relaxation ? field_.relaxation->rows()[v] : 0; }
   // As evaluated:
   double rate(Index v) const { return rate_rows_[std::size_t{v} * 4]; }
   double flux(Index v) const { return has_fluxes_ ? flux_rows_[std::size_t{v} * 4] : 0; }
   // Newton's method (field_newton.cpp)
   void solve(double time, double per_dt);
-  void find_diagonal(double time);
-  double find_residual(double per_dt);
+  void find_diagonal(double time, double per_dt);
+  double find_residual(double time, double per_dt);
+  bool solve_linear(double time, double per_dt);
   void apply(const double* d, double* out, double time, double per_dt);
+  double taken_up(Index v, double per_dt) const;
   double rounding(double per_dt) const;
   void book(double per_dt);
 
@@ -125,8 +138,9 @@ class FieldEquation {
   std::uint64_t steps_since_ = 0;
   // Newton's method works with these, by vertex:
   std::vector<double> before_, diagonal_, sums_, residual_, change_, direction_, product_;
+  std::vector<char> is_free_;
   ConjugateGradients solver_;
-  std::vector<double> kept_;
+  std::vector<double> kept_;  ///< values at the start of the step
   FieldBalance kept_balance_;
 };
 

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
-#include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/attributes/inspection.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
 #include "kernel/base/sort_unique.hpp"
-#include "suture/parts.h"
+#include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture {
 namespace {
@@ -43,18 +43,33 @@ std::array<Index, 3> cells_at(const CellComplex& complex, Dart dart) {
 
 }  // namespace
 
-RowNodes::RowNodes(const Instance& instance, int dimension, const RestPlaces& rest)
-    : cells_(instance.table(dimension).cells),
-      dimension_(dimension),
-      node_count_(static_cast<std::size_t>(nodes_of_cell(dimension))) {
+RowNodes::RowNodes(const Instance& instance, const suture_functor& functor, const RestPlaces& rest)
+    : instance_(instance),
+      cells_(instance.table(static_cast<int>(functor.dimension)).cells),
+      dimension_(static_cast<int>(functor.dimension)),
+      on_lips_(acts_on_lips(functor)),
+      node_count_(static_cast<std::size_t>(nodes_of(functor))) {
   // Room for what cuts append: copying all rows for the first of them would cost more
   // than the cut. Pages that nobody touches take no memory.
   nodes_.reserve(cells_.size() * node_count_ * 3 / 2);
   nodes_.resize(cells_.size() * node_count_);
   prefer_large_pages(nodes_.data() + nodes_.size(),
                      (nodes_.capacity() - nodes_.size()) * sizeof(nodes_[0]));
-  for (Index row = 0; row < cells_.size(); ++row)
+  for (Index row = 0; row < cells_.size() && !on_lips_; ++row)
     if (cells_.is_live(row)) read_row(rest.complex(), row);
+  if (on_lips_) read_lips(rest.complex());
+}
+
+void RowNodes::read_lips(const CellComplex& complex) {
+  for (const Seam& lips : instance_.lips) {
+    if (!complex.exists(3, element_of(lips.one))) continue;
+    const Index face = complex.faces_of(element_of(lips.one))[local_face(lips.one)];
+    if (lips_at(instance_, complex, face) == nullptr) continue;
+    Index* const nodes = nodes_.data() + cells_.row(face) * node_count_;
+    const FunctorCorners corners = corners_of(lips);
+    for (std::size_t n = 0; n < node_count_; ++n)
+      nodes[n] = complex.vertices_of(corners[n].element)[corners[n].corner];
+  }
 }
 
 void RowNodes::read_row(const CellComplex& complex, Index row) {
@@ -67,6 +82,10 @@ void RowNodes::read_cell(const CellComplex& complex, Index cell) {
 }
 
 void RowNodes::update(const RestPlaces& rest, const TopologyChange& change) {
+  if (on_lips_) {
+    nodes_.resize(cells_.size() * node_count_);
+    return read_lips(rest.complex());
+  }
   read_nodes(rest.complex(), change);
   // A vertex is at rest where the kernel's column says.
   if (dimension_ > 0 && !rest.own().empty()) read_rest(rest, change.elements);
@@ -162,7 +181,7 @@ CompiledFunctor::CompiledFunctor(Instance& instance, const suture_functor& funct
   const Instance::Enabled& answer =
       instance.functor(static_cast<std::size_t>(&functor - instance.model().functors));
   if (!answer.runs) reason_ = "its force is zero with these parameters";
-  reads_ = answer.reads;
+  reads_ = functor_.reads & (answer.reads | ~functor.reads);
   cell_columns_.resize(functor_.cell_column_count);
   vertex_columns_.resize(functor_.vertex_column_count);
 }
@@ -172,21 +191,23 @@ std::string CompiledFunctor::title() const {
 }
 
 Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
-  const auto count = static_cast<Index>(nodes_of_cell(dimension_));
+  const auto count = static_cast<Index>(nodes_of(functor_));
   const std::uint8_t* live = cells().live().data();
   if (dimension_ != 3) return {nodes_->data(), nullptr, count, live};
   return {complex.vertices().data()->data(), cells().is_all() ? nullptr : cells().cells().data(),
           count, live};
 }
 
-/// Elements of the shape that the functor is written for, or all cells.
-loops::Rows CompiledFunctor::element_rows() const {
-  const Index all = cells().size();
-  if (dimension_ < 3) return {0, all};
-  if (on_parts_) return {instance_.part_begin, all};
-  if (functor_.shape == SUTURE_PARALLELEPIPED) return {0, instance_.general_begin};
-  if (functor_.shape == SUTURE_GENERAL) return {instance_.general_begin, instance_.part_begin};
-  return {0, instance_.part_begin};
+/// Elements of the shape that the functor is written for, or all cells. A functor may treat a batch
+/// of boxes by itself, so that other shapes are not to be among them.
+std::vector<loops::Rows> CompiledFunctor::element_rows() const {
+  const Index all = cells().size(), skewed = instance_.skewed_begin,
+              general = instance_.general_begin, part = instance_.part_begin;
+  if (dimension_ < 3) return {{0, all}};
+  if (on_parts_) return {{part, all}};
+  if (functor_.shape == SUTURE_PARALLELEPIPED) return {{0, skewed}, {skewed, general}};
+  if (functor_.shape == SUTURE_GENERAL) return {{general, part}};
+  return {{0, part}};
 }
 
 bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
@@ -194,11 +215,15 @@ bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
   return dimension_ < 3 || (row >= instance_.part_begin) == on_parts_;
 }
 
+bool CompiledFunctor::visits_some_faces() const {
+  return dimension_ == 2 && (functor_.faces != SUTURE_ALL_FACES || acts_on_lips(functor_));
+}
+
 std::vector<loops::Rows> CompiledFunctor::wanted_rows(const CellComplex& complex) const {
-  if (dimension_ == 2 && functor_.faces != SUTURE_ALL_FACES) return wanted_faces(complex);
-  const loops::Rows rows = element_rows();
-  if (rows.begin == rows.end) return {};
-  return {rows};
+  if (visits_some_faces()) return wanted_faces(complex);
+  std::vector<loops::Rows> rows = element_rows();
+  std::erase_if(rows, [](const loops::Rows& range) { return range.begin == range.end; });
+  return rows;
 }
 
 std::vector<loops::Rows> CompiledFunctor::wanted_faces(const CellComplex& complex) const {
@@ -234,11 +259,20 @@ void CompiledFunctor::leave_out(const std::vector<bool>* fixed, const CellComple
   if (!skipped()) list_.leave_out(connectivity(complex), *fixed);
 }
 
+const BatchList& CompiledFunctor::list_without(const std::vector<bool>& others,
+                                               const CellComplex& complex) {
+  if (!list_without_) {
+    list_without_ = list_;
+    list_without_->leave_out(connectivity(complex), others);
+  }
+  return *list_without_;
+}
+
 void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& change) {
   if (skipped() || change.empty()) return;
   const Index before = rows_;
   rows_ = cells().size();
-  const bool may_append = dimension_ != 2 || functor_.faces == SUTURE_ALL_FACES;
+  const bool may_append = !visits_some_faces();
   const bool gets_rows = dimension_ != 3 || on_parts_;  // new elements are parts
   if (!may_append ||
       (gets_rows && !list_.append(connectivity(complex), before, rows_, complex.count(0))))
@@ -317,7 +351,7 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
 
 bool CompiledFunctor::has_states() const {
   const auto is_state = [&](std::uint32_t attribute) {
-    return attribute != UINT32_MAX && attribute != SUTURE_PART_COLUMN &&
+    return attribute != UINT32_MAX && !is_part_column(attribute) &&
            instance_.column(attribute) != nullptr && instance_.column(attribute)->has_trial();
   };
   return std::any_of(functor_.cell_columns, functor_.cell_columns + functor_.cell_column_count,
@@ -337,10 +371,10 @@ void CompiledFunctor::read_columns(Attributes& attributes) {
   job_.has_trial = 0;
   varying_columns_.clear();
   for (std::size_t i = 0; i < cell_columns_.size(); ++i) {
-    if (functor_.cell_columns[i] == SUTURE_PART_COLUMN) {
-      cell_columns_[i] = {instance_.part_column(), nullptr,
-                          std::uint64_t{SUTURE_PART_COMPONENTS} * SUTURE_LANES,
-                          SUTURE_PART_COMPONENTS, 0};
+    if (is_part_column(functor_.cell_columns[i])) {
+      const PartColumn& part = instance_.part_column(functor_.cell_columns[i]);
+      cell_columns_[i] = {part.data(), nullptr, std::uint64_t{part.components()} * SUTURE_LANES,
+                          part.components(), 0};
       varying_columns_.push_back(static_cast<std::uint32_t>(i));
       continue;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,14 @@
 
 namespace suture {
 
-/// The vertices of the rows of an instance's vertices, edges or faces, kept up to date through all
-/// operations, and their rest positions where they differ from those of the vertices. Elements do
-/// not need this: they use the list of the complex and OwnRest.
+/// The vertices of the rows of an instance's vertices, edges, faces or lips, kept up to date
+/// through all operations, and their rest positions where they differ from those of the vertices.
+/// Elements do not need this: they use the list of the complex and OwnRest. Rows of faces that are
+/// no lips have no vertices where a functor acts on lips.
 class RowNodes {
  public:
-  RowNodes(const Instance& instance, int dimension, const RestPlaces& rest);
+  /// For all functors of the instance on the same cells as `functor`.
+  RowNodes(const Instance& instance, const suture_functor& functor, const RestPlaces& rest);
   /// O(cells in the change).
   void update(const RestPlaces& rest, const TopologyChange& change);
   /// To be called after state() of the attributes.
@@ -33,11 +36,14 @@ class RowNodes {
   void read_row(const CellComplex& complex, Index row);
   void read_cell(const CellComplex& complex, Index cell);
   void read_elements(const CellComplex& complex, std::span<const Index> elements);
+  void read_lips(const CellComplex& complex);
   template <int Dimension>
   void follow_vertices(const CellComplex& complex, const TopologyChange& change, Index rows);
 
+  const Instance& instance_;
   const CellSet& cells_;
   int dimension_;
+  bool on_lips_;
   std::size_t node_count_;
   std::vector<Index> nodes_;
   std::vector<Index> rest_slot_;    ///< by row
@@ -82,6 +88,9 @@ class CompiledFunctor {
   bool skipped() const { return !reason_.empty(); }
   const std::string& reason() const { return reason_; }
   const BatchList& list() const { return list_; }
+  /// Without the blocks whose vertices are all among `others`; of the first call since a change.
+  const BatchList& list_without(const std::vector<bool>& others, const CellComplex& complex);
+  void forget_list_without() { list_without_.reset(); }
   std::string title() const;  ///< "model 'tissue' (mss-baudet), functor 'edge springs'"
 
   /// From now on every call of the force is checked (checked_force.hpp).
@@ -99,8 +108,9 @@ class CompiledFunctor {
 
  private:
   void read_columns(Attributes& attributes);
+  bool visits_some_faces() const;
   std::vector<loops::Rows> wanted_rows(const CellComplex& complex) const;
-  loops::Rows element_rows() const;
+  std::vector<loops::Rows> element_rows() const;
   std::vector<loops::Rows> wanted_faces(const CellComplex& complex) const;
   bool follow_merges(const CellComplex& complex, const TopologyChange& change);
   std::vector<Index> rows_at(const CellComplex& complex, Dart dart) const;
@@ -114,6 +124,7 @@ class CompiledFunctor {
   std::uint32_t reads_;
   std::string reason_;  ///< why the functor is skipped
   BatchList list_;
+  std::optional<BatchList> list_without_;
   const std::vector<bool>* fixed_ = nullptr;
   Index rows_ = 0;  ///< of the table when the list was built or last appended to
   loops::Job job_{};

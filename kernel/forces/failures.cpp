@@ -2,6 +2,9 @@
 #include "kernel/forces/failures.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
+#include <sstream>
 #include <string_view>
 #include <tuple>
 
@@ -52,6 +55,24 @@ void Failure::merge(const Failure& other) {
   const double factor = std::min(step_factor_, other.step_factor_);
   if (!any() || other.comes_before(*this)) *this = other;
   step_factor_ = factor;
+}
+
+std::string Failure::packed() const {
+  std::ostringstream stream;
+  stream.precision(std::numeric_limits<double>::max_digits10);
+  stream << status_ << ' ' << is_fault_ << ' ' << functor_ << ' ' << cell_ << ' ' << cell_known_
+         << ' ' << code_ << ' ' << step_factor_ << ' ' << text_;
+  return stream.str();
+}
+
+Failure Failure::unpacked(const std::string& text) {
+  std::istringstream stream(text);
+  Failure failure;
+  stream >> failure.status_ >> failure.is_fault_ >> failure.functor_ >> failure.cell_ >>
+      failure.cell_known_ >> failure.code_ >> failure.step_factor_;
+  stream.ignore();
+  failure.text_.assign(std::istreambuf_iterator<char>(stream), {});
+  return failure;
 }
 
 void Failure::raise(const std::string& title, const char* cell_word, double time) const {

@@ -23,6 +23,10 @@ class Failure {
   void merge(const Failure& other);
   void clear() { *this = {}; }
 
+  /// For another process.
+  std::string packed() const;
+  static Failure unpacked(const std::string& text);
+
   bool any() const { return status_ != SUTURE_OK; }
   Index functor() const { return functor_; }
   /// Throws NumericalError, StepRejected or, for a fault of the plugin, PluginError; `title` names

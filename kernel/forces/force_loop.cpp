@@ -41,17 +41,21 @@ bool keeps_state(const CompiledFunctor& functor) {
 
 void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
   const auto& loops = impl_->loops;
+  if (impl_->share && !impl_->others) impl_->others = impl_->share->others(*impl_->complex);
   if (rows == nullptr) rows = impl_->attributes.force().rows();
   for (Index i = 0; i < impl_->functors.size(); ++i) {
     if (!belongs(impl_->functors[i], part)) continue;
-    impl_->run(i, "force", impl_->awake(impl_->functors[i]), time, dt, rows,
+    CompiledFunctor& functor = impl_->functors[i];
+    impl_->run(i, impl_->own_list(functor), "force", impl_->awake(functor), time, dt, rows,
                [&](const loops::Job& job, const loops::Worker& worker,
                    std::span<const loops::Rows> ranges, Index) {
                  loops.forces(&job, &worker, ranges.data(),
                               static_cast<std::uint32_t>(ranges.size()));
                });
   }
-  impl_->raise_failures(time);
+  Failure first = impl_->take_failure();
+  if (impl_->share) impl_->share->join(rows, first);
+  impl_->raise(first, time);
 }
 
 void ForceLoop::add_forces(double time, const LiveMask&, double* rows) {
@@ -112,15 +116,36 @@ void ForceLoop::accept() {
   impl_->attributes.accept_trials();
 }
 
+// ------------------------------------------------------------------- shares --
+
+void ForceLoop::share(std::unique_ptr<ForceShare> share) {
+  impl_->share = std::move(share);
+  impl_->forget_shares();
+}
+
+void ForceLoop::Impl::forget_shares() {
+  others.reset();
+  for (CompiledFunctor& functor : functors) functor.forget_list_without();
+}
+
+/// The part of a functor that this process runs.
+const BatchList& ForceLoop::Impl::own_list(CompiledFunctor& functor) {
+  if (!others || functor.has_states()) return functor.list();
+  return functor.list_without(*others, *complex);
+}
+
 // ------------------------------------------------------------------- energy --
 
-double ForceLoop::Impl::energy_of(Index number, double time) {
+double ForceLoop::Impl::energy_of(Index number, double time, Failure& first) {
   const auto* extension = stored_energy(functors[number]);
   if (!extension) return 0;
-  std::vector<double> of_chunk(functors[number].list().chunk_count());
+  const Index chunks = functors[number].list().chunk_count();
+  std::vector<double> of_chunk(chunks);
+  const loops::Rows own = share ? share->part(chunks) : loops::Rows{0, chunks};
   run(number, "energy", time,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index chunk) {
+        if (chunk < own.begin || chunk >= own.end) return;
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
           double* const out = worker.results_end - lanes;
           const suture_status status = extension->energy(worker.context, &batch, out);
@@ -129,6 +154,8 @@ double ForceLoop::Impl::energy_of(Index number, double time) {
           return status;
         });
       });
+  first.merge(take_failure());
+  if (share) share->join_sums(of_chunk, first);
   double sum = 0;
   for (const double part : of_chunk) sum += part;
   return sum;
@@ -136,9 +163,10 @@ double ForceLoop::Impl::energy_of(Index number, double time) {
 
 double ForceLoop::energy(double time) {
   double sum = 0;
+  Failure first;
   for (Index i = 0; i < impl_->functors.size(); ++i)
-    if (!impl_->functors[i].skipped()) sum += impl_->energy_of(i, time);
-  impl_->raise_failures(time);
+    if (!impl_->functors[i].skipped()) sum += impl_->energy_of(i, time, first);
+  impl_->raise(first, time);
   return sum;
 }
 
@@ -224,6 +252,13 @@ bool ForceLoop::reads_fields() const {
   });
 }
 
+bool ForceLoop::reads_motion() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return !functor.skipped() &&
+           (functor.reads() & (SUTURE_READ_POSITION | SUTURE_READ_VELOCITY)) != 0;
+  });
+}
+
 bool ForceLoop::depends_on_positions_alone() const {
   return !reads_velocity() && !keeps_states() && !reads_fields();
 }
@@ -289,6 +324,7 @@ Index ForceLoop::Impl::skip_fixed() {
 
 Index ForceLoop::skip_fixed(std::vector<bool> fixed) {
   impl_->fixed = std::move(fixed);
+  impl_->forget_shares();
   return impl_->skip_fixed();
 }
 
@@ -304,6 +340,7 @@ void ForceLoop::Impl::follow_fixed(const TopologyChange& change) {
 void ForceLoop::follow(const CellComplex& complex, const TopologyChange& change) {
   impl_->complex = &complex;
   impl_->operated |= !change.empty();
+  impl_->forget_shares();
   // Until the next evaluation the first part of a split vertex carries the force of all.
   if (!impl_->unstored_force.empty())
     impl_->unstored_force.resize(std::size_t{impl_->attributes.vertex_count()} * 4);
@@ -330,13 +367,14 @@ struct FixedList {
 
 void ForceLoop::state(Archive& archive) {
   Impl& i = *impl_;
-  archive("fed", i.unstored_work);
-  archive("fed force", i.unstored_force);
-  archive("fed is booked", i.unstored_is_booked);
+  archive("unstored work", i.unstored_work);
+  archive("unstored force", i.unstored_force);
+  archive("unstored is booked", i.unstored_is_booked);
   if (!archive.has_cells()) return;
   if (archive.loads()) i.independent.clear();
+  if (archive.loads()) i.forget_shares();
   archive("operated", i.operated);
-  archive("still", i.fixed);
+  archive("fixed", i.fixed);
   archive.each("awake", i.awake_rows, [](Archive& a, auto& masks) { a.each("masks", masks); });
   const auto fits = [](std::size_t size, std::size_t all) { return size == 0 || size == all; };
   archive.require(fits(i.fixed.size(), i.attributes.vertex_count()) &&
@@ -383,7 +421,7 @@ const Workers& ForceLoop::workers() const { return impl_->threads; }
 
 unsigned ForceLoop::threads() const {
   for (const CompiledFunctor& functor : impl_->functors)
-    if (!functor.skipped() && impl_->pays(functor)) return impl_->threads.threads();
+    if (!functor.skipped() && impl_->pays(functor, functor.list())) return impl_->threads.threads();
   return 1;
 }
 

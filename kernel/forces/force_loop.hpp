@@ -17,6 +17,8 @@
 
 namespace suture {
 
+class ForceShare;
+
 /// A model asks for a smaller step: the state before the step is still valid.
 class StepRejected : public NumericalError {
  public:
@@ -134,6 +136,7 @@ class ForceLoop final : public ForceTerm,
   bool reads_velocity() const;          ///< whether an enabled functor does
   bool keeps_states() const;            ///< whether forces depend on accepted states (SUTURE_TRIAL)
   bool reads_fields() const;            ///< whether forces depend on fields (SUTURE_FIELD)
+  bool reads_motion() const;            ///< whether an enabled functor reads where vertices are
   /// Whether forces depend on nothing else that steps change: no velocities, states and fields.
   bool depends_on_positions_alone() const;
   /// Whether an enabled functor is on edges or faces, or reads columns of vertices: then an
@@ -166,6 +169,10 @@ class ForceLoop final : public ForceTerm,
 
   /// To be loaded after the attributes, into a loop that was built in the same way.
   void state(Archive& archive) override;
+
+  /// From now on this process computes its share of the forces and of the energies; others compute
+  /// the rest. Functors that keep states are computed by all.
+  void share(std::unique_ptr<ForceShare> share);
 
   /// From now on every call of a force is checked for mistakes of its plugin (checked_force.hpp),
   /// and energies, bounds, tangents and fields must be finite. Small bodies run hundreds of times

@@ -11,10 +11,11 @@
 #include <limits>
 #include <optional>
 
-#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/base/lanes.hpp"
 #include "kernel/forces/compiled_functor.hpp"
 #include "kernel/forces/force_loop.hpp"
+#include "kernel/forces/force_share.hpp"
 #include "kernel/forces/local_rows.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 #include "kernel/forces/worker_memory.hpp"
@@ -29,7 +30,7 @@ inline constexpr std::size_t parallel_nodes = 32768;
 /// one that reads a field, changes with time, so the work of its forces is booked instead.
 inline const suture_energy_1* stored_energy(const CompiledFunctor& functor) {
   if ((functor.instance().model().flags & SUTURE_ACTIVE) != 0) return nullptr;
-  if (functor.reads_field()) return nullptr;
+  if (functor.reads_field() && functor.functor().field == 0) return nullptr;
   return functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
 }
 
@@ -59,12 +60,12 @@ struct ForceLoop::Impl {
       if (attributes.field_of(model, functor) != field) continue;
       const auto dimension = functor.dimension;
       const bool has_rows = dimension < 3 && instance.functor(i).runs;
-      if (has_rows && !nodes[dimension]) {
-        row_nodes.emplace_back(instance, static_cast<int>(dimension),
-                               attributes.rest_places(*complex));
-        nodes[dimension] = &row_nodes.back();
+      RowNodes*& of_cells = nodes[acts_on_lips(functor) ? 3 : dimension];
+      if (has_rows && !of_cells) {
+        row_nodes.emplace_back(instance, functor, attributes.rest_places(*complex));
+        of_cells = &row_nodes.back();
       }
-      functors.emplace_back(instance, functor, dimension < 3 ? nodes[dimension] : nullptr);
+      functors.emplace_back(instance, functor, dimension < 3 ? of_cells : nullptr);
       functors.back().build(*complex);
       if (const suture_functor* const on_parts = instance.part_functor(i)) {
         functors.emplace_back(instance, functor, nullptr, on_parts);
@@ -73,9 +74,9 @@ struct ForceLoop::Impl {
     }
   }
 
-  bool pays(const CompiledFunctor& functor) const {
-    const auto nodes = static_cast<std::size_t>(nodes_of_cell(functor.dimension()));
-    const bool large = functor.list().cell_count() * nodes >= parallel_nodes;
+  bool pays(const CompiledFunctor& functor, const BatchList& list) const {
+    const auto nodes = static_cast<std::size_t>(nodes_of(functor.functor()));
+    const bool large = list.cell_count() * nodes >= parallel_nodes;
     return threads.threads() > 1 && (large || !functor.instance().skips());
   }
 
@@ -94,9 +95,13 @@ struct ForceLoop::Impl {
   template <class Chunk>
   void run(Index number, const char* function, const LiveMask& live, double time, double dt,
            double* rows, Chunk chunk) {
+    run(number, functors[number].list(), function, live, time, dt, rows, chunk);
+  }
+  template <class Chunk>
+  void run(Index number, const BatchList& list, const char* function, const LiveMask& live,
+           double time, double dt, double* rows, Chunk chunk) {
     CompiledFunctor& functor = functors[number];
     const loops::Job& job = functor.job(attributes, *complex, live, time, dt, rows);
-    const BatchList& list = functor.list();
     const FunctorTimes::Scope timed(times ? &*times : nullptr, number, function, list.cell_count());
     const auto one = [&](std::size_t i, unsigned w) {
       const auto c = static_cast<Index>(i);
@@ -105,7 +110,7 @@ struct ForceLoop::Impl {
       const PluginScope scope(workers[w].call);
       chunk(job, worker, list.ranges(c), c);
     };
-    if (pays(functor))
+    if (pays(functor, list))
       threads.in_order(list.order(), one);
     else
       for (Index c = 0; c < list.chunk_count(); ++c) one(c, 0);
@@ -180,17 +185,25 @@ struct ForceLoop::Impl {
     if (checks) require_finite(results, {present_call()->batch->cell_ids, valid});
   }
 
-  void raise_failures(double time) {
+  /// The first of all threads, once.
+  Failure take_failure() {
     Failure first;
     for (WorkerMemory& worker : workers) {
       first.merge(worker.failure);
       worker.failure.clear();
     }
+    return first;
+  }
+  void raise_failures(double time) { raise(take_failure(), time); }
+  void raise(const Failure& first, double time) {
     if (!first.any()) return;
     const CompiledFunctor& functor = functors[first.functor()];
     constexpr const char* words[4] = {"vertex", "edge", "face", "element"};
     first.raise(functor.title(), words[functor.functor().dimension], time);
   }
+
+  const BatchList& own_list(CompiledFunctor& functor);
+  void forget_shares();
 
   void book_unstored(double last_dt, const double* force);
   void follow_fixed(const TopologyChange& change);
@@ -198,7 +211,7 @@ struct ForceLoop::Impl {
   const LiveMask& awake(const CompiledFunctor& functor) const;
   void sleep(Instance& instance, std::array<LiveMask, 4>& awake, std::span<const Index> elements);
 
-  double energy_of(Index number, double time);
+  double energy_of(Index number, double time, Failure& first);
   Softness project(Index number, const Projection& step);
   const std::vector<std::vector<loops::BatchRows>>& independent_batches(Index number,
                                                                         const loops::Job& job);
@@ -212,6 +225,7 @@ struct ForceLoop::Impl {
   bool add_single_tangent(Index, const loops::Product<double>&, const TangentTime&) {
     return false;
   }
+  Index cell_functor(Index number) const;
   template <class Run>
   void with_tangent_columns(Index number, double dx, double dv, const TangentTime& at,
                             const VisitTangents& visit, Run run_batches);
@@ -232,9 +246,11 @@ struct ForceLoop::Impl {
   std::vector<std::array<LiveMask, 4>> awake_rows;
   /// By functor and chunk; empty until cells are projected.
   std::vector<std::vector<std::vector<loops::BatchRows>>> independent;
-  bool checks = false;                ///< check_plugins()
-  std::optional<FunctorTimes> times;  ///< measure()
-  bool operated = false;              ///< follow() was called
+  std::unique_ptr<ForceShare> share;
+  std::optional<std::vector<bool>> others;  ///< ForceShare::others(), once known
+  bool checks = false;                      ///< check_plugins()
+  std::optional<FunctorTimes> times;        ///< measure()
+  bool operated = false;                    ///< follow() was called
   std::vector<bool> fixed;  ///< vertices held at their rest positions; empty: nothing is left out
   // Work of functors without an energy if others have one, and their forces at the last
   // evaluation, in rows of 4.

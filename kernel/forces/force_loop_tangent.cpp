@@ -190,6 +190,11 @@ class VisitColumns {
 
 }  // namespace
 
+/// CellTangents::functor of its cells.
+Index ForceLoop::Impl::cell_functor(Index number) const {
+  return acts_on_lips(functors[number].functor()) ? link_functor : number;
+}
+
 /// Calls run(job, worker, visit of a batch) for the functor.
 template <class Run>
 void ForceLoop::Impl::with_tangent_columns(Index number, double dx, double dv,
@@ -202,7 +207,8 @@ void ForceLoop::Impl::with_tangent_columns(Index number, double dx, double dv,
   const auto worker =
       workers[0].prepare(job, functor.instance().context(0), number, functor.call("tangent"));
   const PluginScope scope(workers[0].call);
-  VisitColumns columns(TangentColumns(*extension, job.node_count, dx, dv), job, number);
+  VisitColumns columns(TangentColumns(*extension, job.node_count, dx, dv), job,
+                       cell_functor(number));
   const auto check = [this](auto values, Index valid) { check_results(values, valid); };
   run_batches(job, worker, [&](suture_batch& batch, const loops::BatchRows& rows) {
     return columns(worker.context, batch, rows, check, visit);
@@ -222,14 +228,14 @@ void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, const
 void ForceLoop::Impl::for_some_tangents(Index number, double dx, double dv, const TangentTime& at,
                                         const SelectCell& select, const VisitTangents& visit) {
   const BatchList& list = functors[number].list();
-  with_tangent_columns(number, dx, dv, at, visit,
-                       [&](const loops::Job& job, const loops::Worker& worker, auto one) {
-                         const auto is_selected = [&](Index row) {
-                           return select({1, job.node_count, nodes_of(job, row), nullptr, number});
-                         };
-                         for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
-                           for_selected(job, worker, list.ranges(chunk), is_selected, one);
-                       });
+  with_tangent_columns(
+      number, dx, dv, at, visit, [&](const loops::Job& job, const loops::Worker& worker, auto one) {
+        const auto is_selected = [&](Index row) {
+          return select({1, job.node_count, nodes_of(job, row), nullptr, cell_functor(number)});
+        };
+        for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
+          for_selected(job, worker, list.ranges(chunk), is_selected, one);
+      });
 }
 
 void ForceLoop::for_each_tangent(double dx, double dv, const TangentTime& at,

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/topology/marks.hpp"
 
 namespace suture {
@@ -24,6 +24,14 @@ std::vector<Index> LocalRows::elements_around(const CellComplex& complex,
   return elements;
 }
 
+/// Pairs of which one of the elements, which ascend, has a lip. O(lips log elements).
+template <class Visit>
+void for_each_lips_of(const Instance& instance, std::span<const Index> elements, Visit visit) {
+  const auto has = [&](Dart lip) { return std::ranges::binary_search(elements, element_of(lip)); };
+  for (const Seam& lips : instance.lips)
+    if (has(lips.one) || has(lips.other)) visit(lips);
+}
+
 template <class Wanted>
 std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
                                                   const CompiledFunctor& functor,
@@ -31,28 +39,35 @@ std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
   const CellSet& cells = functor.cells();
   row_marks_.resize(std::max<std::size_t>(row_marks_.size(), cells.size() / 64 + 1), 0);
   rows_.clear();
-  for (const Index e : elements) {
-    if (!complex.exists(3, e)) continue;
-    for (const Index cell : cells_of_element(complex, functor.dimension(), e)) {
-      const Index row = cells.row(cell);
-      if (row != none && functor.visits(complex, row) && wanted(row) &&
-          marks::mark(row_marks_, row))
-        rows_.push_back(row);
-    }
-  }
+  const auto add = [&](Index cell) {
+    const Index row = cells.row(cell);
+    if (row != none && functor.visits(complex, row) && wanted(row) && marks::mark(row_marks_, row))
+      rows_.push_back(row);
+  };
+  if (acts_on_lips(functor.functor()))
+    for_each_lips_of(functor.instance(), elements, [&](const Seam& lips) {
+      if (complex.exists(3, element_of(lips.one)))
+        add(complex.faces_of(element_of(lips.one))[local_face(lips.one)]);
+    });
+  else
+    for (const Index e : elements)
+      if (complex.exists(3, e))
+        std::ranges::for_each(cells_of_element(complex, functor.dimension(), e), add);
   marks::unmark(row_marks_, rows_);
   std::ranges::sort(rows_);
-  return in_batches();
+  return in_batches(functor.dimension() == 3 ? functor.instance().skewed_begin : 0);
 }
 
-/// Cell columns are in blocks of 8 rows, so a batch has rows of one block.
-std::span<const loops::BatchRows> LocalRows::in_batches() {
+/// Cell columns are in blocks of 8 rows, so a batch has rows of one block, on one side of `border`.
+std::span<const loops::BatchRows> LocalRows::in_batches(Index border) {
   batches_.clear();
   for (std::size_t i = 0; i < rows_.size();) {
     loops::BatchRows& batch = batches_.emplace_back();
     batch.valid = 0;
     const Index block = rows_[i] / SUTURE_LANES;
-    for (; i < rows_.size() && rows_[i] / SUTURE_LANES == block; ++i)
+    const bool before = rows_[i] < border;
+    for (; i < rows_.size() && rows_[i] / SUTURE_LANES == block && (rows_[i] < border) == before;
+         ++i)
       batch.row[batch.valid++] = rows_[i];
     for (Index l = batch.valid; l < SUTURE_LANES; ++l) batch.row[l] = batch.row[batch.valid - 1];
   }

@@ -33,7 +33,7 @@ class LocalRows {
   template <class Wanted>
   std::span<const loops::BatchRows> find(const CellComplex& complex, const CompiledFunctor& functor,
                                          std::span<const Index> elements, Wanted wanted);
-  std::span<const loops::BatchRows> in_batches();
+  std::span<const loops::BatchRows> in_batches(Index border);
 
   std::vector<std::uint64_t> row_marks_, element_marks_;
   std::vector<Index> rows_;

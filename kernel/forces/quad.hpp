@@ -6,6 +6,7 @@
 
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/topology/seam.hpp"
 
 // Loaded faces: bilinear, with four corners.
 
@@ -19,11 +20,6 @@ inline std::array<Index, 4> face_nodes(const CellComplex& complex, Dart face) {
   const Hexahedron& x = complex.vertices_of(element_of(face));
   const auto& local = suture_hexahedron_faces[local_face(face)];
   return {x[local[0]], x[local[1]], x[local[2]], x[local[3]]};
-}
-
-/// True if the face still exists and is on the boundary.
-inline bool is_open(const CellComplex& complex, Dart face) {
-  return complex.exists(3, element_of(face)) && complex.beta3(face) == none;
 }
 
 /// A point of a bilinear face on the unit square, nodes (0,0) (1,0) (1,1) (0,1).

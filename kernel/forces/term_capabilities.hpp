@@ -36,6 +36,10 @@ struct TangentTime {
   TangentTime(double when, double step = 0) : time(when), dt(step) {}
 };
 
+/// CellTangents::functor of cells whose nodes share no element: of pieces that touch each other, or
+/// that a model holds together.
+constexpr Index link_functor = none;
+
 /// The tangents of up to 8 cells of one functor: the derivatives of the forces on their nodes, N/m.
 struct CellTangents {
   Index cells;            ///< 1 .. 8

@@ -6,14 +6,15 @@
 #include "kernel/base/box_text.hpp"
 
 namespace suture {
-void centroids_of(const CellComplex& complex, const Places& places, std::vector<Row4>& out,
-                  const Workers* workers) {
-  out.resize(complex.element_count());
+BulkVector<Row4> centroids_of(const CellComplex& complex, const Places& places,
+                              std::span<const ElementRange> ranges, const Workers* workers) {
+  BulkVector<Row4> result(complex.element_count());
   const auto vertices = complex.vertices();
-  for_chunks(out.size(), workers, [&](std::size_t first, std::size_t last, std::size_t) {
-    for (std::size_t e = first; e < last; ++e)
-      out[e] = vertices[e][0] == none ? Row4{} : centroid_of(vertices[e], places);
+  for_each_of(ranges.size(), workers, [&](std::size_t i) {
+    for (Index e = ranges[i].begin; e < ranges[i].end; ++e)
+      result[e] = vertices[e][0] == none ? Row4{} : centroid_of(vertices[e], places);
   });
+  return result;
 }
 
 std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places,

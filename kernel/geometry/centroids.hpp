@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/base/bulk.hpp"
 #include "kernel/base/parallel.hpp"
 #include "kernel/geometry/surface.hpp"
 #include "kernel/topology/cell_complex.hpp"
@@ -36,10 +37,25 @@ inline Row4 centroid_of(const Hexahedron& corners, const Places& places) {
   return sum;
 }
 
-/// The centroids of all elements; 0 for removed ones. With `workers`, computed in chunks on its
-/// threads. About 8 ns per element.
-void centroids_of(const CellComplex& complex, const Places& places, std::vector<Row4>& out,
-                  const Workers* workers = nullptr);
+/// Consecutive elements.
+struct ElementRange {
+  Index begin, end;
+};
+
+/// Calls one(i) for i = 0 .. count-1, on the threads of `workers` if given.
+template <class One>
+void for_each_of(std::size_t count, const Workers* workers, One&& one) {
+  if (workers != nullptr)
+    workers->parallel_for(count, one);
+  else
+    for (std::size_t i = 0; i < count; ++i) one(i);
+}
+
+/// By element, the centroids of those in the ranges; 0 for removed ones. With `workers`, on its
+/// threads. About 8 ns each.
+BulkVector<Row4> centroids_of(const CellComplex& complex, const Places& places,
+                              std::span<const ElementRange> ranges,
+                              const Workers* workers = nullptr);
 
 /// Calls visit(first, last, chunk) for chunks of 0 .. count-1, on the threads of `workers` if
 /// given. Chunks have 16,384 entries.
@@ -47,13 +63,9 @@ inline constexpr std::size_t chunk_size = 16384;
 template <class Visit>
 void for_chunks(std::size_t count, const Workers* workers, Visit&& visit) {
   const std::size_t chunks = (count + chunk_size - 1) / chunk_size;
-  const auto one = [&](std::size_t chunk) {
+  for_each_of(chunks, workers, [&](std::size_t chunk) {
     visit(chunk * chunk_size, std::min(count, (chunk + 1) * chunk_size), chunk);
-  };
-  if (workers != nullptr)
-    workers->parallel_for(chunks, one);
-  else
-    for (std::size_t chunk = 0; chunk < chunks; ++chunk) one(chunk);
+  });
 }
 
 /// The message for a blade that has cut nothing: it lies outside the body, or it meets the body's

@@ -68,28 +68,32 @@ SurfaceBlade::SurfaceBlade(SurfaceBlade&&) noexcept = default;
 SurfaceBlade& SurfaceBlade::operator=(SurfaceBlade&&) noexcept = default;
 
 std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Places& places,
-                                          const Workers* workers) const {
-  std::vector<Row4> centroids;
-  centroids_of(complex, places, centroids, workers);
-  std::vector<std::vector<Dart>> cut(centroids.size() / chunk_size + 1);
-  for_chunks(centroids.size(), workers,
-             [&](std::size_t first, std::size_t last, std::size_t chunk) {
-               std::vector<Dart> near;
-               std::vector<Segment> links;
-               for (std::size_t e = first; e < last; ++e)
-                 for (int f = 0; f < hexahedron::faces; ++f) {
-                   const Index n = complex.neighbour(static_cast<Index>(e), f);
-                   if (n == none || n < e || !overlap(box_, centroids[e], centroids[n])) continue;
-                   const Segment link{vec3(centroids[e]), vec3(centroids[n])};
-                   if (!grid_.may_meet(link.a, link.b)) continue;
-                   near.push_back(face_dart(static_cast<Index>(e), f));
-                   links.push_back(link);
-                 }
-               std::vector<std::uint8_t> crossed(links.size());
-               tree_->crossings(links, crossed.data());
-               for (std::size_t i = 0; i < near.size(); ++i)
-                 if (crossed[i]) cut[chunk].push_back(near[i]);
-             });
+                                          const Workers* workers,
+                                          const ElementBlocks* blocks) const {
+  const SearchedElements searched(blocks, complex.element_count(),
+                                  [&](const Box& box) { return overlap(box, box_); });
+  const std::vector<ElementRange> ranges = searched.ranges();
+  const BulkVector<Row4> centroids = centroids_of(complex, places, ranges, workers);
+  std::vector<std::vector<Dart>> cut(ranges.size());
+  for_each_of(ranges.size(), workers, [&](std::size_t number) {
+    std::vector<Dart> near;
+    std::vector<Segment> links;
+    for (Index e = ranges[number].begin; e < ranges[number].end; ++e)
+      for (int f = 0; f < hexahedron::faces; ++f) {
+        const Index n = complex.neighbour(e, f);
+        if (n == none || n < e || !searched.contains(n) ||
+            !overlap(box_, centroids[e], centroids[n]))
+          continue;
+        const Segment link{vec3(centroids[e]), vec3(centroids[n])};
+        if (!grid_.may_meet(link.a, link.b)) continue;
+        near.push_back(face_dart(e, f));
+        links.push_back(link);
+      }
+    std::vector<std::uint8_t> crossed(links.size());
+    tree_->crossings(links, crossed.data());
+    for (std::size_t i = 0; i < near.size(); ++i)
+      if (crossed[i]) cut[number].push_back(near[i]);
+  });
   std::vector<Dart> faces;
   for (const auto& part : cut) faces.insert(faces.end(), part.begin(), part.end());
   return faces;

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "kernel/base/diagnostics.hpp"
-#include "kernel/geometry/centroids.hpp"
+#include "kernel/geometry/element_blocks.hpp"
 #include "kernel/geometry/near_grid.hpp"
 
 namespace suture {
@@ -38,9 +38,11 @@ class SurfaceBlade {
   /// misses the mesh (why_nothing_was_cut). Boundary faces and removed elements are skipped. A grid
   /// excludes elements far from every triangle; tree queries are made only for links near one. The
   /// result does not depend on the number of threads. Cost: 20 ns per element, and 1 us per link
-  /// near the blade.
+  /// near the blade; with `blocks`, of the vertices at these places, only for elements near its
+  /// box.
   std::vector<Dart> faces_cut(const CellComplex& complex, const Places& places,
-                              const Workers* workers = nullptr) const;
+                              const Workers* workers = nullptr,
+                              const ElementBlocks* blocks = nullptr) const;
 
   const TriangleSurface& surface() const { return surface_; }
   const Box& box() const { return box_; }

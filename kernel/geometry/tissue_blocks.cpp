@@ -48,10 +48,6 @@ struct PairBox {
   }
 };
 
-void add_once(Index block, std::vector<Index>& list) {
-  if (std::ranges::find(list, block) == list.end()) list.push_back(block);
-}
-
 }  // namespace
 
 bool TissueBlocks::move(const CellComplex& complex, const Places& places, const Workers* workers) {
@@ -72,7 +68,7 @@ bool TissueBlocks::move(const CellComplex& complex, const Places& places, const 
   boxes_before_.resize(boxes_now_.size(), no_box);
   for (std::size_t v = static_cast<std::size_t>(from); v < vertices; ++v)
     include(boxes_before_[v / per_box], before_[v]);
-  find_lists(complex);
+  lists_.find(complex);
   return false;
 }
 
@@ -87,38 +83,6 @@ void TissueBlocks::find_boxes(std::size_t first, std::size_t last, const Places&
   }
 }
 
-void TissueBlocks::find_lists(const CellComplex& complex) {
-  lists_.assign(blocks_of(complex.element_count(), size), {});
-  std::vector<Index> listed(boxes_now_.size(), none);  // the last block with it in its list
-  const auto add_corners = [&](Index block, Index element) {
-    for (const Index v : complex.vertices_of(element))
-      if (listed[v / per_box] != block) {
-        listed[v / per_box] = block;
-        lists_[block].push_back(v / per_box);
-      }
-  };
-  for (Index e = 0; e < complex.element_count(); ++e) {
-    if (!complex.exists(3, e)) continue;
-    add_corners(e / size, e);
-    for (int f = 0; f < hexahedron::faces; ++f)
-      if (const Index n = complex.neighbour(e, f); n != none && n / size != e / size)
-        add_corners(e / size, n);
-  }
-}
-
-/// A new element, and those that see it.
-void TissueBlocks::add_copy(const CellComplex& complex, Index element) {
-  const auto list = [&](Index seer, Index seen) {
-    for (const Index v : complex.vertices_of(seen)) add_once(v / per_box, lists_[seer / size]);
-  };
-  list(element, element);
-  for (int f = 0; f < hexahedron::faces; ++f)
-    if (const Index n = complex.neighbour(element, f); n != none) {
-      list(element, n);
-      list(n, element);
-    }
-}
-
 void TissueBlocks::follow(const CellComplex& complex, const TopologyChange& change) {
   if (empty()) return;
   for (const Split& split : change.splits[0]) {
@@ -127,27 +91,13 @@ void TissueBlocks::follow(const CellComplex& complex, const TopologyChange& chan
     boxes_now_.resize(blocks_of(now_.size(), per_box), no_box);
     include(boxes_now_[block], now_.back());
   }
-  lists_.resize(blocks_of(complex.element_count(), size));
-  for (const Split& copy : change.copies) add_copy(complex, copy.new_cell);
-  const Stars& stars = change.stars[0];
-  auto split = change.splits[0].begin();
-  for (std::size_t i = 0; i < stars.size() && split != change.splits[0].end(); ++i) {
-    if (stars.cells[i] != split->new_cell) continue;  // in one order
-    const Index block = split->new_cell / per_box;
-    for (const Dart dart : stars[i]) {
-      const Index e = dart / hexahedron::darts;
-      add_once(block, lists_[e / size]);
-      for (int f = 0; f < hexahedron::faces; ++f)
-        if (const Index n = complex.neighbour(e, f); n != none) add_once(block, lists_[n / size]);
-    }
-    ++split;
-  }
+  lists_.follow(complex, change);
 }
 
 void TissueBlocks::state(Archive& archive) {
   archive("vertices", now_);
   archive.rows<double>("boxes", boxes_now_);
-  archive_lists(archive, "lists", lists_);
+  archive_lists(archive, "lists", lists_.lists());
   archive.require(boxes_now_.size() == blocks_of(now_.size(), per_box),
                   "the boxes are not those of the vertices");
 }
@@ -165,7 +115,7 @@ double TissueBlocks::vertices_moved(Index vertex_block) const {
 
 double TissueBlocks::moved(Index block) {
   double largest = 0;
-  for (const Index v : lists_[block]) {
+  for (const Index v : lists_.lists()[block]) {
     if (moved_[v] < 0) moved_[v] = vertices_moved(v);
     largest = std::max(largest, moved_[v]);
   }
@@ -173,7 +123,7 @@ double TissueBlocks::moved(Index block) {
 }
 
 std::vector<Index> TissueBlocks::all() const {
-  std::vector<Index> blocks(lists_.size());
+  std::vector<Index> blocks(block_count());
   std::iota(blocks.begin(), blocks.end(), 0);
   return blocks;
 }
@@ -188,10 +138,11 @@ std::vector<Index> TissueBlocks::near(const Box& box) const {
   for (std::size_t b = 0; b < beyond.size(); ++b)
     beyond[b] = sides_beyond(enlarged, boxes_before_[b], boxes_now_[b]);
   std::vector<Index> blocks;
-  for (std::size_t b = 0; b < lists_.size(); ++b) {
-    unsigned all = lists_[b].empty() ? 0 : 0xFF;
-    for (const Index v : lists_[b]) all &= beyond[v];
-    if (all == 0 && !lists_[b].empty()) blocks.push_back(static_cast<Index>(b));
+  for (std::size_t b = 0; b < block_count(); ++b) {
+    const std::vector<Index>& list = lists_.lists()[b];
+    unsigned all = list.empty() ? 0 : 0xFF;
+    for (const Index v : list) all &= beyond[v];
+    if (all == 0 && !list.empty()) blocks.push_back(static_cast<Index>(b));
   }
   return blocks;
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/geometry/block_lists.hpp"
 #include "kernel/geometry/centroids.hpp"
 
 namespace suture {
@@ -23,9 +24,6 @@ class Archive;
 /// centroids of every link of the block, before and after; only such links are excluded. Centroids
 /// are rounded by at most 7 units in the last place of a corner's coordinate, so the box is
 /// enlarged by 1e-14 of its bounds.
-///
-/// Lists of blocks only grow with operations (follow()), which is sufficient: a cut or a removal
-/// takes neighbours away and gives elements new vertices.
 ///
 /// Memory: 50 B per vertex, plus the lists.
 class TissueBlocks {
@@ -54,7 +52,7 @@ class TissueBlocks {
   std::vector<Index> near(const Box& box) const;
 
   std::vector<Index> all() const;  ///< blocks
-  std::size_t block_count() const { return lists_.size(); }
+  std::size_t block_count() const { return lists_.lists().size(); }
   /// The largest motion in the step of a corner of the block's elements or of their neighbours, m;
   /// a centroid moves no farther. O(vertices there), once per step.
   double moved(Index block);
@@ -65,14 +63,11 @@ class TissueBlocks {
  private:
   double vertices_moved(Index vertex_block) const;
   void find_boxes(std::size_t first, std::size_t last, const Places& places);
-  void find_lists(const CellComplex& complex);
-  void add_copy(const CellComplex& complex, Index element);
 
   std::vector<Vec3> before_, now_;             ///< per vertex
   std::vector<Box> boxes_before_, boxes_now_;  ///< per block of vertices
   std::vector<double> moved_;                  ///< per block of vertices; -1: not known yet
-  /// Per block of elements: the blocks of vertices on which it depends, each once.
-  std::vector<std::vector<Index>> lists_;
+  BlockLists lists_{size, vertices_size};
 };
 
 }  // namespace suture

@@ -33,6 +33,13 @@ void ImplicitIntegrator::begin(double dt) {
   solve(equations_);
 }
 
+/// From the positions that are reached: the solution is near.
+void ImplicitIntegrator::repeat() {
+  equations_.is_predicted = false;
+  motion_.discard_forces();
+  ImplicitIntegrator::solve(equations_);
+}
+
 void ImplicitIntegrator::find(const StepEquations& equations) { newton_.solve(equations); }
 
 void ImplicitIntegrator::solve(const StepEquations& equations) {

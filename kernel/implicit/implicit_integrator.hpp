@@ -15,6 +15,7 @@ class ImplicitIntegrator : public Integrator {
 
   /// Throws StepRejected or NumericalError if the equations have no solution within reach.
   void begin(double dt) final;
+  void repeat() final;
   void accept(double end) override;
   void reject() final;
   bool is_implicit() const final { return true; }

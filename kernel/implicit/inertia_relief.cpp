@@ -60,7 +60,7 @@ void InertiaRelief::find() {
     pieces_.push_back({std::move(found), {}});
   }
   if (pieces_.empty()) return;
-  const std::vector<Index> numbers = pieces_of(body_.complex(), vertices);
+  const std::vector<Index> numbers = pieces_of(body_.complex(), body_.attributes());
   for (Index v = 0; v < vertices; ++v)
     if (numbers[v] < place.size() && pieces_[place[numbers[v]]].motions.number == numbers[v])
       pieces_[place[numbers[v]]].vertices.push_back(v);

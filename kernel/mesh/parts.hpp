@@ -24,6 +24,12 @@ struct PartMoments {
   Vec3 covariance{};  ///< of (y, z), (x, z) and (x, y) about the centroid
 };
 
+/// What the moments do not say if the element is no parallelepiped at rest.
+struct GeneralPart {
+  double fraction = 1;              ///< volume of the part over that of the element at rest
+  std::array<Vec3, 4> gradients{};  ///< d_1 ... d_4 of SUTURE_GENERAL_PART_COLUMN
+};
+
 /// The position of an element in an ascending list, or its length if it is not there. O(log n).
 inline std::size_t position_in(std::span<const Index> elements, Index element) {
   const auto found = std::ranges::lower_bound(elements, element);
@@ -41,6 +47,7 @@ struct EmbeddedPoint {
 struct Parts {
   std::vector<Index> elements;       ///< those of which only a part is material, ascending
   std::vector<PartMoments> moments;  ///< of each of them
+  std::vector<GeneralPart> general;  ///< likewise; empty if all are parallelepipeds
 
   std::vector<EmbeddedPoint> points;  ///< corners of tetrahedra and triangles
   /// The material of partial elements: entry i of `elements` has the tetrahedra from first[i] to

@@ -130,7 +130,7 @@ Result rest(const BodyCase& of) {
 // meant for boxes, has modes of -1e-4 of the largest stiffness there.
 // Tensions of faces pull a body together.
 Result stiffness(const BodyCase& of) {
-  if (of.sample.options().shape == SampleShape::hexahedra) return {};
+  if (is_of_general_hexahedra(of.sample.options().shape)) return {};
   if (has_functor_of(of.sample, {2})) return {};
   if (!of.sample.body().models().has_tangent()) return {};
   of.sample.go_to_rest();

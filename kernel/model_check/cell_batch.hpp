@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/attributes/instance.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/base/aligned.hpp"
 
 namespace suture {
@@ -21,7 +21,7 @@ struct CellBatch {
   AlignedVector<double> rest, position, velocity;
   std::vector<AlignedVector<double>> cell_columns, vertex_columns;
 
-  std::size_t nodes() const { return std::size_t{1} << functor->dimension; }
+  std::size_t nodes() const { return static_cast<std::size_t>(nodes_of(*functor)); }
   /// Values of a vector per node, such as the forces.
   std::size_t vector_size() const { return 3 * nodes() * SUTURE_LANES; }
   static std::size_t place(std::size_t node, std::size_t component, std::size_t lane) {

@@ -73,6 +73,8 @@ constexpr ModelCheck all_checks[] = {
      no_rate, 1e-6, checks::rates, nullptr},
     {"field-cut", "capacities are positive, and cuts and seams keep the content of fields", no_rate,
      1e-11, nullptr, checks::field_cut},
+    {"coupling", "what the motion gives to a field is what the field takes from the motion",
+     "no rate depends on the motion", 1e-5, nullptr, checks::coupling},
     {"speed", "ns per cell", "", any, checks::speed, nullptr}};
 
 std::string text_of_sample(const SampleOptions& sample) {
@@ -187,8 +189,9 @@ CheckOutcome make_check(const ModelCheck& check, std::span<const suture_model* c
   Checking checking(check, builds);
   for (const ParameterSet& set : sets) {
     const std::vector<double> times = sample_times(*builds.front(), set);
-    for (const SampleShape shape : {SampleShape::boxes, SampleShape::parallelepipeds,
-                                    SampleShape::hexahedra, SampleShape::parts}) {
+    for (const SampleShape shape :
+         {SampleShape::boxes, SampleShape::parallelepipeds, SampleShape::hexahedra,
+          SampleShape::parts, SampleShape::general_parts}) {
       SampleOptions options;
       options.set = set;
       options.shape = shape;

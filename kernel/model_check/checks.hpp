@@ -25,6 +25,7 @@ Result objectivity(const BatchCase&);
 // rate_checks.cpp
 Result rates(const BatchCase&);
 Result field_cut(const BodyCase&);
+Result coupling(const BodyCase&);
 // part_checks.cpp
 Result patch(const BatchCase&);
 // repeated_checks.cpp

@@ -152,6 +152,7 @@ double excess(const Matrix& matrix, const Matrix& bound) {
 
 // At constant state: the energy of a law that is damaged falls as the damage grows.
 Result gradient(const BatchCase& of) {
+  if (of.batch.functor->field != 0) return {};  // see coupling()
   if (extension_of<suture_energy_1>(*of.batch.functor, SUTURE_ENERGY_1) == nullptr) return {};
   BatchCaller caller(of.instance);
   CellBatch batch = of.batch;

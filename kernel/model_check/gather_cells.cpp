@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "kernel/attributes/cell_nodes.hpp"
+#include "kernel/attributes/lips.hpp"
 #include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture {
@@ -29,9 +29,11 @@ class Gathering {
   }
 
   void add(std::size_t lane, Index cell) {
-    cell_nodes(body_.complex(), dimension_, cell, nodes_);
+    corners_ = corners_of(instance_, functor_, body_.complex(), cell);
+    for (std::size_t n = 0; n < batch.nodes(); ++n)
+      nodes_[n] = body_.complex().vertices_of(corners_[n].element)[corners_[n].corner];
     batch.ids[lane] = cell;
-    add_vectors(lane, cell);
+    add_vectors(lane);
     for (std::size_t i = 0; i < batch.cell_columns.size(); ++i) add_cell_column(i, lane, cell);
     for (std::size_t i = 0; i < batch.vertex_columns.size(); ++i) add_vertex_column(i, lane);
   }
@@ -50,15 +52,13 @@ class Gathering {
     return false;
   }
 
-  void add_vectors(std::size_t lane, Index cell) {
-    hexahedron::Local corners[8];
-    const Index element = cell_corners(body_.complex(), dimension_, cell, corners);
+  void add_vectors(std::size_t lane) {
     Attributes& attributes = body_.attributes();
     for (std::size_t n = 0; n < batch.nodes(); ++n)
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t to = CellBatch::place(n, c, lane);
         const int component = static_cast<int>(c);
-        batch.rest[to] = places_.corner(element, corners[n])[c];
+        batch.rest[to] = places_.corner(corners_[n].element, corners_[n].corner)[c];
         batch.position[to] = attributes.position().get(nodes_[n], component);
         if (reads_velocity()) batch.velocity[to] = attributes.velocity().get(nodes_[n], component);
       }
@@ -68,8 +68,8 @@ class Gathering {
     const Index row = instance_.table(dimension_).cells.row(cell);
     for (std::size_t c = 0; c < components_of(place); ++c)
       batch.cell_columns[i][c * SUTURE_LANES + lane] =
-          place == SUTURE_PART_COLUMN ? instance_.part_moment(row, c)
-                                      : instance_.column(place)->get(row, static_cast<int>(c));
+          is_part_column(place) ? instance_.part_column(place).get(row, c)
+                                : instance_.column(place)->get(row, static_cast<int>(c));
   }
   void add_vertex_column(std::size_t i, std::size_t lane) {
     const std::uint32_t a = functor_.vertex_columns[i];
@@ -90,6 +90,7 @@ class Gathering {
   const suture_functor& functor_;
   int dimension_;
   RestPlaces places_;
+  FunctorCorners corners_{};
   Index nodes_[8]{};
 };
 

@@ -26,6 +26,8 @@ double typical(std::string_view unit) {
   if (unit == "Pa" || unit == "N/m^2") return 1e4;
   if (unit == "kg/m^3") return 1000;
   if (unit == "Pa s") return 100;
+  if (unit == "Pa/m") return 1e7;
+  if (unit == "J/m^2") return 100;
   if (unit == "N/m") return 100;
   if (unit == "N s/m") return 1;
   if (unit == "s") return 0.05;
@@ -175,7 +177,10 @@ std::vector<double> sample_times(const suture_model& model, const ParameterSet& 
 ParameterSet with_everything_on(const suture_model& model, ParameterSet set) {
   for (std::size_t i = 0; i < model.parameter_count; ++i) {
     const suture_parameter& p = model.parameters[i];
-    if (p.type == SUTURE_NUMBER && set.values[i] == 0) set.values[i] = value_in_range(p);
+    if (p.type != SUTURE_NUMBER || set.values[i] != 0) continue;
+    const double x = value_in_range(p);
+    const double other = x * (1 + 0.1 * static_cast<double>(i));  // than those of its unit
+    set.values[i] = admits(p, other) ? other : x;
   }
   return set;
 }

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernel/attributes/mean_gradient.hpp"
+#include "kernel/attributes/shape.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/model_check/checks.hpp"
 #include "kernel/model_check/sample_parts.hpp"
-#include "suture/parts.h"
+#include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture::checks {
 namespace {
@@ -33,16 +33,24 @@ const suture_functor* functor_of_whole(const Instance& instance, const suture_fu
   return nullptr;
 }
 
-/// The same cells as whole elements.
+/// The same cells as whole elements, for their functor. If that reads columns that parts have not,
+/// they are parts that fill their elements.
 CellBatch whole(const CellBatch& parts, const suture_functor& functor) {
   CellBatch batch = parts;
   const std::span places(parts.functor->cell_columns, parts.functor->cell_column_count);
-  batch.functor = &functor;
-  batch.cell_columns.clear();
-  for (std::uint32_t i = 0; i < functor.cell_column_count; ++i) {
-    const auto at = std::ranges::find(places, functor.cell_columns[i]);
-    batch.cell_columns.push_back(parts.cell_columns[static_cast<std::size_t>(at - places.begin())]);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (is_part_column(places[i])) {
+      std::ranges::fill(batch.cell_columns[i], 0.0);
+      std::fill_n(batch.cell_columns[i].begin(), SUTURE_LANES, 1.0);  // the fraction
+    }
+  std::vector<Values> columns;
+  for (const std::uint32_t column : std::span(functor.cell_columns, functor.cell_column_count)) {
+    const auto at = std::ranges::find(places, column);
+    if (at == places.end()) return batch;
+    columns.push_back(batch.cell_columns[static_cast<std::size_t>(at - places.begin())]);
   }
+  batch.functor = &functor;
+  batch.cell_columns = std::move(columns);
   return batch;
 }
 
@@ -60,9 +68,9 @@ void deform(CellBatch& batch, std::uint64_t seed) {
   std::ranges::fill(batch.velocity, 0.0);
 }
 
-/// P of a parallelepiped in a homogeneous state: the virial of its forces, -sum f_n x X_n / V.
+/// P of an element in a homogeneous state: the virial of its forces, -sum f_n x X_n / V.
 std::array<Vec3, 3> stress_of(const Values& force, const Values& rest, std::size_t lane) {
-  const double volume = determinant(mean_edges(nodes_of(rest, lane)));
+  const double volume = hexahedron_volume(nodes_of(rest, lane));
   std::array<Vec3, 3> P{};
   for (std::size_t n = 0; n < 8; ++n) {
     const Vec3 f = vector_of_node(force, n, lane);
@@ -71,18 +79,6 @@ std::array<Vec3, 3> stress_of(const Values& force, const Values& rest, std::size
       for (std::size_t j = 0; j < 3; ++j) P[i][j] -= f[i] * X[j] / volume;
   }
   return P;
-}
-
-/// -P times the integral of grad N over the material: with the edges A and their reciprocals G,
-/// grad N = sum_a 2 G_a dN/dx_a in coordinates [-1, 1]^3, of which the element has V / 8 per unit.
-Vec3 expected_force(const std::array<Vec3, 3>& P, const std::array<Vec3, 3>& A, Index element,
-                    int node) {
-  const std::array<Vec3, 3> G = reciprocals(A);
-  const Vec3 local = integral_of_gradient(element, node);
-  Vec3 gradient{};
-  for (std::size_t a = 0; a < 3; ++a)
-    for (std::size_t c = 0; c < 3; ++c) gradient[c] += determinant(A) / 4 * G[a][c] * local[a];
-  return {-dot(P[0], gradient), -dot(P[1], gradient), -dot(P[2], gradient)};
 }
 
 }  // namespace
@@ -101,10 +97,11 @@ Result patch(const BatchCase& of) {
   Measured worst;
   for (std::size_t l = 0; l < batch.valid; ++l) {
     const std::array<Vec3, 3> P = stress_of(forces, batch.rest, l);
-    const std::array<Vec3, 3> A = mean_edges(nodes_of(batch.rest, l));
+    const HexahedronNodes rest = nodes_of(batch.rest, l);
     double size = 0, difference = 0;
     for (int n = 0; n < 8; ++n) {
-      const Vec3 expected = expected_force(P, A, batch.ids[l], n);
+      const Vec3 gradient = integral_of_gradient(batch.ids[l], n, rest);
+      const Vec3 expected{-dot(P[0], gradient), -dot(P[1], gradient), -dot(P[2], gradient)};
       size = std::max(size, norm(expected));
       difference = std::max(
           difference, norm(minus(vector_of_node(found, static_cast<std::size_t>(n), l), expected)));

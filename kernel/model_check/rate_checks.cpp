@@ -3,6 +3,7 @@
 // Rates of fields: conservation, derivatives, and what operations leave of the content.
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "kernel/model_check/checks.hpp"
 
@@ -11,10 +12,26 @@ namespace {
 
 using Values = AlignedVector<double>;
 
-/// The place of the field among the vertex columns of its functor.
-std::size_t field_column(const suture_functor& functor) {
-  const std::span columns(functor.vertex_columns, functor.vertex_column_count);
-  return static_cast<std::size_t>(std::ranges::find(columns, functor.field - 1) - columns.begin());
+/// What rates are differentiated by: a vertex column of the functor, in the tangent dx or dv.
+struct Variable {
+  std::size_t column;
+  bool is_rate;  ///< of the field (SUTURE_FIELD_RATE), not its value
+};
+
+std::vector<Variable> variables_of(const suture_model& model, const suture_functor& functor) {
+  std::vector<Variable> variables;
+  for (std::size_t i = 0; i < functor.vertex_column_count; ++i) {
+    const std::uint32_t a = functor.vertex_columns[i];
+    if (a == functor.field - 1) variables.push_back({i, false});
+    if (a != UINT32_MAX && (model.attributes[a].flags & SUTURE_FIELD_RATE) != 0)
+      variables.push_back({i, true});
+  }
+  return variables;
+}
+
+/// The deformation may feed the field of such a functor.
+bool reads_motion(const suture_functor& functor) {
+  return (functor.reads & (SUTURE_READ_POSITION | SUTURE_READ_VELOCITY)) != 0;
 }
 
 /// The sum of the rates of a cell over the largest; those on vertices are sources.
@@ -37,10 +54,10 @@ Measured imbalance(const CellBatch& batch, const Values& rates) {
   return worst;
 }
 
-/// The derivatives by the field at node `node`, by differences.
-Values rate_difference(BatchCaller& caller, const CellBatch& batch, std::size_t node) {
-  const std::size_t column = field_column(*batch.functor);
-  const double step = 1e-4 * std::max(1.0, largest(batch.vertex_columns[column]));
+/// The derivatives by the variable at node `node`, by differences.
+Values rate_difference(BatchCaller& caller, const CellBatch& batch, std::size_t column,
+                       std::size_t node, double part) {
+  const double step = part * std::max(1.0, largest(batch.vertex_columns[column]));
   const auto at = [&](double h) {
     CellBatch changed = batch;
     for (std::size_t l = 0; l < SUTURE_LANES; ++l)
@@ -53,11 +70,39 @@ Values rate_difference(BatchCaller& caller, const CellBatch& batch, std::size_t 
   return slope;
 }
 
-Values rate_tangent(BatchCaller& caller, const CellBatch& batch, std::size_t node) {
+Values rate_tangent(BatchCaller& caller, const CellBatch& batch, bool by_rate, std::size_t node) {
   const Values zero(batch.vector_size());
   Values unit = zero;
   for (std::size_t l = 0; l < SUTURE_LANES; ++l) unit[CellBatch::place(node, 0, l)] = 1;
-  return caller.tangent(batch, unit, zero);
+  return by_rate ? caller.tangent(batch, zero, unit) : caller.tangent(batch, unit, zero);
+}
+
+/// The tangent against differences over this part of the largest value, and its symmetry.
+Measured tangent_error(BatchCaller& caller, const CellBatch& batch, const Variable& by,
+                       double part) {
+  std::vector<Values> tangents;
+  double scale = 0;
+  for (std::size_t n = 0; n < batch.nodes(); ++n) {
+    tangents.push_back(rate_tangent(caller, batch, by.is_rate, n));
+    scale = std::max(scale, largest(tangents.back()));
+  }
+  Measured worst;
+  if (scale == 0) return worst;
+  const auto keep_worse = [&](const Measured& found) {
+    if (!(found.figure <= worst.figure)) worst = found;
+  };
+  for (std::size_t n = 0; n < batch.nodes(); ++n) {
+    const Values expected = rate_difference(caller, batch, by.column, n, part);
+    keep_worse(compare(batch, tangents[n], expected, scale, "the derivative of the rate"));
+    for (std::size_t m = 0; m < n; ++m)
+      for (std::size_t lane = 0; lane < batch.valid; ++lane)
+        keep_worse({std::abs(tangents[n][CellBatch::place(m, 0, lane)] -
+                             tangents[m][CellBatch::place(n, 0, lane)]) /
+                        scale,
+                    "the derivatives of the rates at nodes " + std::to_string(m) + " and " +
+                        std::to_string(n) + " are not symmetric"});
+  }
+  return worst;
 }
 
 /// sum C u for each field with a capacity.
@@ -73,41 +118,100 @@ std::vector<double> contents(SampleBody& sample) {
   return contents;
 }
 
+/// Everywhere, unless the parameters leave none.
 void require_capacities(SampleBody& sample) {
-  for (const VertexField& field : sample.body().attributes().fields())
-    for (Index v = 0; field.capacity && v < field.capacity->size(); ++v)
-      if (sample.body().complex().exists(0, v) && !(field.capacity->get(v, 0) > 0))
-        throw BrokenLaw("the capacity of a node for '" + field.name + "' is not positive");
+  const CellComplex& complex = sample.body().complex();
+  for (const VertexField& field : sample.body().attributes().fields()) {
+    if (!field.capacity) continue;
+    bool has_some = false, has_none = false;
+    for (Index v = 0; v < field.capacity->size(); ++v)
+      if (complex.exists(0, v)) (field.capacity->get(v, 0) > 0 ? has_some : has_none) = true;
+    if (has_some && has_none)
+      throw BrokenLaw("the capacity of a node for '" + field.name + "' is not positive");
+  }
+}
+
+/// (f(h) - f(-h)) / 2 h, where `column` has `direction` times h more. The column keeps its values.
+template <class Values>
+std::vector<double> difference(Column& column, int components, const std::vector<double>& direction,
+                               double h, Values values) {
+  const auto move = [&](double step) {
+    for (std::size_t i = 0; i < direction.size(); ++i) {
+      const auto row = static_cast<Index>(i / static_cast<std::size_t>(components));
+      const auto c = static_cast<int>(i % static_cast<std::size_t>(components));
+      column.set(row, c, column.get(row, c) + step * direction[i]);
+    }
+  };
+  move(h);
+  std::vector<double> slope = values();
+  move(-2 * h);
+  const std::vector<double> back = values();
+  move(h);
+  for (std::size_t i = 0; i < slope.size(); ++i) slope[i] = (slope[i] - back[i]) / (2 * h);
+  return slope;
+}
+
+double product(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+std::vector<double> random_values(std::size_t count, double size, std::mt19937_64& random) {
+  std::vector<double> values(count);
+  for (double& value : values) value = between(random, -size, size);
+  return values;
 }
 
 }  // namespace
+
+// The power that the motion gives to the field is what the field takes from the motion: with an
+// energy E(x, u), f = -dE/dx and r = -dE/du, df/du and dr/dx are transposes; where r follows the
+// velocity, df/du and -dr/dv are.
+Result coupling(const BodyCase& of) {
+  Body& body = of.sample.body();
+  if (body.fields().empty() || !body.fields().front().feels_motion()) return {};
+  of.sample.stop();
+  FieldEquation& field = body.fields().front();
+  Attributes& attributes = body.attributes();
+  const double time = of.sample.options().time;
+  const auto forces = [&] { return of.sample.forces(); };
+  const auto rates = [&] {
+    AlignedVector<double> rows(std::size_t{attributes.vertex_count()} * 4);
+    field.rates().add_forces(time, 0, ForceLoop::Part::all, rows.data());
+    std::vector<double> rates;
+    for (std::size_t i = 0; i < rows.size(); i += 4) rates.push_back(rows[i]);
+    return rates;
+  };
+  std::mt19937_64 random(of.sample.options().seed);
+  const std::size_t count = attributes.vertex_count();
+  const auto way = random_values(3 * count, 1, random), change = random_values(count, 1, random);
+  constexpr double step = 1e-6;
+  const double of_force =
+      product(way, difference(*attributes.fields().front().values, 1, change, 1e-4, forces));
+  const double of_rate = product(change, difference(attributes.position(), 3, way, step, rates)) -
+                         product(change, difference(attributes.velocity(), 3, way, 1, rates));
+  const double scale = std::max(std::abs(of_force), std::abs(of_rate));
+  if (scale == 0) return {};
+  return Measured{std::abs(of_force - of_rate) / scale,
+                  "the forces change with the field by " + std::to_string(of_force) +
+                      ", the rates with the motion by " + std::to_string(of_rate)};
+}
 
 Result rates(const BatchCase& of) {
   const CellBatch& batch = of.batch;
   if (batch.functor->field == 0) return {};
   BatchCaller caller(of.instance);
-  const Values rates = caller.force(batch).force;
-  Measured worst = batch.functor->dimension == 0 ? Measured{} : imbalance(batch, rates);
-  std::vector<Values> tangents;
-  double scale = 0;
-  for (std::size_t n = 0; n < batch.nodes(); ++n) {
-    tangents.push_back(rate_tangent(caller, batch, n));
-    scale = std::max(scale, largest(tangents.back()));
-  }
-  if (scale == 0) return worst;
-  const auto keep_worse = [&](const Measured& found) {
+  const bool has_source = batch.functor->dimension == 0 || reads_motion(*batch.functor);
+  Measured worst = has_source ? Measured{} : imbalance(batch, caller.force(batch).force);
+  for (const Variable& by : variables_of(of.instance.model(), *batch.functor)) {
+    // Beside a source by the motion, the rates of small changes are rounding.
+    Measured found = tangent_error(caller, batch, by, 1e-4);
+    for (const double part : {1e-2, 1.0, 1e2}) {
+      const Measured longer = tangent_error(caller, batch, by, part);
+      if (longer.figure < found.figure) found = longer;
+    }
     if (!(found.figure <= worst.figure)) worst = found;
-  };
-  for (std::size_t n = 0; n < batch.nodes(); ++n) {
-    const Values expected = rate_difference(caller, batch, n);
-    keep_worse(compare(batch, tangents[n], expected, scale, "the derivative of the rate"));
-    for (std::size_t m = 0; m < n; ++m)
-      for (std::size_t lane = 0; lane < batch.valid; ++lane)
-        keep_worse({std::abs(tangents[n][CellBatch::place(m, 0, lane)] -
-                             tangents[m][CellBatch::place(n, 0, lane)]) /
-                        scale,
-                    "the derivatives of the rates at nodes " + std::to_string(m) + " and " +
-                        std::to_string(n) + " are not symmetric"});
   }
   return worst;
 }

@@ -21,6 +21,13 @@ using Rotation = std::array<Vec3, 3>;
 /// The shear of parallelepipeds.
 constexpr Rotation skew{{{1, 0.3, -0.2}, {0.1, 1, 0.25}, {-0.15, 0.2, 1}}};
 
+std::vector<HexahedronNodes> corners_of(const Mesh& mesh) {
+  std::vector<HexahedronNodes> corners(mesh.hexahedra.size());
+  for (std::size_t e = 0; e < corners.size(); ++e)
+    for (std::size_t n = 0; n < 8; ++n) corners[e][n] = mesh.points[mesh.hexahedra[e][n]];
+  return corners;
+}
+
 /// Boxes with three different edges, graded along x.
 Mesh sample_mesh(const SampleOptions& options) {
   Mesh mesh = make_box(
@@ -28,15 +35,17 @@ Mesh sample_mesh(const SampleOptions& options) {
   std::mt19937_64 random(options.seed * 3 + 1);
   for (Vec3& x : mesh.points) {
     if (options.shape != SampleShape::boxes) x = rotated(skew, x);
-    if (options.shape == SampleShape::hexahedra)
+    if (is_of_general_hexahedra(options.shape))
       for (double& c : x) c += between(random, -0.12, 0.12) * edge;
   }
-  if (options.shape == SampleShape::parts) mesh.parts = sample_parts();
   mesh.points[13][0] += options.irregular * edge;  // the node in the middle
   for (Vec3& x : mesh.points) {
     x = rotated(options.rotation, x);
     for (double& c : x) c *= options.scale;
   }
+  const bool is_general = is_of_general_hexahedra(options.shape) || options.irregular != 0;
+  if (is_of_parts(options.shape))
+    mesh.parts = is_general ? sample_parts(corners_of(mesh)) : sample_parts();
   return mesh;
 }
 
@@ -86,15 +95,29 @@ SampleBody::SampleBody(const suture_model& model, const SampleOptions& options)
     add_model(model, {});
   }
   body_.compile(diagnostics_, 1);
+  open_lips();
   give_mass();
   deform();
 }
 
 void SampleBody::add_model(const suture_model& model, std::vector<Index> elements) {
-  const std::string name = elements.empty() || elements[0] == 0 ? "checked" : "checked-2";
-  body_.attributes().add(
-      std::make_unique<Instance>(model, name, parameters(), diagnostics_, true, given_columns()),
-      body_.complex(), std::move(elements));
+  const bool is_second = !elements.empty() && elements[0] != 0;
+  auto instance = std::make_unique<Instance>(model, is_second ? "checked-2" : "checked",
+                                             parameters(), diagnostics_, true, given_columns());
+  if (acts_on_lips(model)) {
+    elements = !options_.halves ? std::vector<Index>{0, 2, 4, 6}
+               : is_second      ? std::vector<Index>{2, 6}
+                                : std::vector<Index>{0, 4};
+    instance->lips = faces_between(body_.complex(), elements, std::vector<Index>{1, 3, 5, 7});
+  }
+  body_.attributes().add(std::move(instance), body_.complex(), std::move(elements));
+}
+
+void SampleBody::open_lips() {
+  std::vector<Dart> faces;
+  for (const auto& instance : body_.attributes().instances())
+    for (const Seam& lips : instance->lips) faces.push_back(lips.one);
+  if (!faces.empty()) body_.cut(faces);
 }
 
 /// NaN for those that differ.
@@ -213,6 +236,7 @@ std::vector<Index> SampleBody::cells_of(const suture_functor& functor) {
   std::vector<Index> cells;
   for (Index row = 0; row < set.size(); ++row) {
     const Index cell = set.cell(row);
+    if (acts_on_lips(functor) && lips_at(instance(), body_.complex(), cell) == nullptr) continue;
     const bool is_general = dimension == 3 && instance().is_general(row);
     const bool is_boundary =
         dimension == 2 && body_.complex().beta3(body_.complex().dart_of(2, cell)) == none;
@@ -235,7 +259,7 @@ std::vector<CellBatch> SampleBody::batches(const suture_functor& functor, std::s
     batches.back().time = times[(i + static_cast<std::size_t>(options_.shape)) % times.size()];
   }
   // Small parts alone: beside others, their forces would be lost in rounding.
-  if (options_.shape == SampleShape::parts && functor.dimension == 3 && !cells.empty())
+  if (is_of_parts(options_.shape) && functor.dimension == 3 && !cells.empty())
     for (const Index cell : {Index{4}, Index{7}}) {
       batches.push_back(gather_cells(body_, instance(), functor, {&cell, 1}));
       batches.back().time = times[0];

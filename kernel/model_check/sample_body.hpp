@@ -12,9 +12,16 @@
 namespace suture {
 
 /// The rest shapes of the elements of a sample.
-enum class SampleShape { boxes, parallelepipeds, hexahedra, parts };
+enum class SampleShape { boxes, parallelepipeds, hexahedra, parts, general_parts };
 inline constexpr const char* sample_shapes[] = {"boxes", "parallelepipeds", "general hexahedra",
-                                                "parts of parallelepipeds"};
+                                                "parts of parallelepipeds",
+                                                "parts of general hexahedra"};
+inline bool is_of_parts(SampleShape shape) {
+  return shape == SampleShape::parts || shape == SampleShape::general_parts;
+}
+inline bool is_of_general_hexahedra(SampleShape shape) {
+  return shape == SampleShape::hexahedra || shape == SampleShape::general_parts;
+}
 
 /// What a check is made on: everything about a sample that is chosen.
 struct SampleOptions {
@@ -30,7 +37,7 @@ struct SampleOptions {
 };
 
 /// A block of 2x2x2 elements with edges of about 5 cm and one model, in a deformed state that
-/// moves: every component of a strain is about 10 %.
+/// moves: every component of a strain is about 10 %. A model on lips acts between its halves.
 class SampleBody {
  public:
   /// Throws InputError if the model refuses the parameters or the shape, PluginError.
@@ -65,6 +72,7 @@ class SampleBody {
 
  private:
   void add_model(const suture_model& model, std::vector<Index> elements);
+  void open_lips();
   std::vector<double> parameters() const;
   std::vector<GivenColumn> given_columns() const;
   void give_mass();

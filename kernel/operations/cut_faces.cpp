@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/base/bulk.hpp"
 #include "kernel/base/error.hpp"
 
 namespace suture {
@@ -38,36 +39,39 @@ bool shared_a_face(const CellComplex& complex, Index a, Index b,
 }  // namespace
 
 std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* rows,
-                                     const Vec3& point, const Vec3& normal, std::size_t stride) {
+                                     const Vec3& point, const Vec3& normal, std::size_t stride,
+                                     const ElementBlocks* blocks, const Box& within) {
   const double size = std::hypot(normal[0], normal[1], normal[2]);
   if (!std::isfinite(point[0] + point[1] + point[2]) || !std::isfinite(size) || size == 0)
     throw InputError("a plane needs a finite point and a finite normal that is not zero");
   const Vec3 n{normal[0] / size, normal[1] / size, normal[2] / size};
   const double offset = product(n, point.data());
 
-  std::vector<double> height(complex.count(0));
+  const SearchedElements near(blocks, complex.element_count(), [&](const Box& box) {
+    const auto [low, high] = heights_of(box, point, n);
+    return !(low > 0 || high < 0) && overlap(box, within);
+  });
+  BulkVector<double> heights(complex.element_count());
   double magnitude = 0;
-  for (Index v = 0; v < height.size(); ++v) {
-    if (!complex.exists(0, v)) continue;  // its place may be anything
-    height[v] = product(n, rows + stride * v) - offset;
-    magnitude = std::max(magnitude, magnitude_of_product(n, rows + stride * v));
-  }
+  near.for_each([&](Index e) {
+    if (!complex.exists(3, e)) return;
+    heights[e] = 0;
+    for (const Index v : complex.vertices_of(e)) {
+      heights[e] += product(n, rows + stride * v) - offset;
+      magnitude = std::max(magnitude, magnitude_of_product(n, rows + stride * v));
+    }
+  });
   const double rounding = 32 * std::numeric_limits<double>::epsilon() *
                           (magnitude + magnitude_of_product(n, point.data()));
-  std::vector<char> positive(complex.element_count());
-  for (Index e = 0; e < complex.element_count(); ++e) {
-    if (!complex.exists(3, e)) continue;
-    double sum = 0;
-    for (const Index v : complex.vertices_of(e)) sum += height[v];
-    positive[e] = sum >= -rounding;
-  }
   std::vector<Dart> faces;
-  for (Index e = 0; e < complex.element_count(); ++e)
+  near.for_each([&](Index e) {
     for (int f = 0; f < hexahedron::faces; ++f) {
       const Index other = complex.neighbour(e, f);
-      if (other != none && e < other && positive[e] != positive[other])
+      if (other != none && e < other && near.contains(other) &&
+          (heights[e] >= -rounding) != (heights[other] >= -rounding))
         faces.push_back(face_dart(e, f));
     }
+  });
   return faces;
 }
 

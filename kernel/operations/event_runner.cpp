@@ -31,9 +31,18 @@ struct EventRunner::Call {
   State& state;
   BuiltScene& built = runner.built_;
 
-  const double* shape() const {
+  const double* rows(bool at_rest) const {
     Attributes& a = built.body().attributes();
-    return (event.rest_shape ? a.rest() : a.position()).rows();
+    return (at_rest ? a.rest() : a.position()).rows();
+  }
+  const double* shape() const { return rows(event.rest_shape); }
+  const ElementBlocks& blocks(bool at_rest) const {
+    return at_rest ? built.body().blocks_at_rest() : built.dynamics().motion().blocks();
+  }
+  const ElementBlocks* blocks() const { return &blocks(event.rest_shape); }
+  std::vector<Index> elements_now(const Selection& selection, bool at_rest) const {
+    return built.selector().elements_now(selection, rows(at_rest),
+                                         selection.is_listed() ? nullptr : &blocks(at_rest));
   }
   void warn(const std::string& text) const {
     runner.diagnostics_.warn(timed(time, event.path + text));
@@ -83,7 +92,7 @@ struct EventRunner::Call {
   EventOutcome operator()(const CutPlane& plane) const {
     const PlanePatch patch{plane.point, plane.normal, plane.radius, plane.polygon};
     if (plane.along_blade) return cut_along_blade(PlaneBlade(patch));
-    return cut(faces_across_patch(built.body().complex(), shape(), patch));
+    return cut(faces_across_patch(built.body().complex(), shape(), patch, 4, blocks()));
   }
 
   EventOutcome cut_along_blade(const Blade& blade) const;
@@ -95,7 +104,7 @@ struct EventRunner::Call {
     if (state.patch) return cut_along_blade(*state.patch);
     const Places places{shape()};
     const std::vector<Dart> faces =
-        state.surface->faces_cut(built.body().complex(), places, workers());
+        state.surface->faces_cut(built.body().complex(), places, workers(), blocks());
     if (faces.empty() && !event.every)
       warn(" cut no face: " + why_nothing_was_cut(state.surface->box(), built.body().complex(),
                                                   places, built.frame().origin));
@@ -131,9 +140,9 @@ struct EventRunner::Call {
   }
 
   EventOutcome operator()(const Pierce& pierce) const {
-    return remove(pierce.where ? built.selector().elements_now(*pierce.where, shape())
+    return remove(pierce.where ? elements_now(*pierce.where, event.rest_shape)
                                : elements_along_path(built.body().complex(), shape(), pierce.path,
-                                                     pierce.radius),
+                                                     pierce.radius, 4, blocks()),
                   " removed no element: there are none left where it pierces");
   }
 
@@ -276,18 +285,16 @@ Index EventRunner::Call::sew_divided(const SewFaces& sew) const {
 
 std::vector<Seam> EventRunner::Call::seams_of(const SewFaces& sew) const {
   const CellComplex& complex = built.body().complex();
-  const double* rows = built.body().attributes().position().rows();
-  const auto selected = [&](const Selection& s) { return built.selector().elements_now(s, rows); };
   if (built.is_embedded() && sew.element_pairs.empty())
     return without_misfits(EmbeddedSewing(sew, built).seams(naming()));
   if (sew.between) {
-    return without_misfits(seams_within_gap(complex, rows, selected((*sew.between)[0]),
-                                            selected((*sew.between)[1]), sew.gap, naming()));
+    return without_misfits(
+        seams_within_gap(complex, rows(false), elements_now((*sew.between)[0], false),
+                         elements_now((*sew.between)[1], false), sew.gap, naming()));
   }
   if (!sew.element_pairs.empty()) return listed_seams(sew);
   std::vector<Index> where;
-  if (sew.where)
-    where = built.selector().elements_now(*sew.where, built.body().attributes().rest().rows());
+  if (sew.where) where = elements_now(*sew.where, true);
   if (sew.where && where.empty()) return {};
   return without_misfits(seams_of_cuts(complex, built.body().user_vertex(), where, naming()));
 }
@@ -399,9 +406,7 @@ EventRunner::State EventRunner::prepare(const Event& event) {
 // anything runs. What geometry selects is known when the event fires.
 void EventRunner::check(const Event& event) {
   const auto check_names = [&](const Selection& selection) {
-    const bool names = std::holds_alternative<Selection::Ids>(selection.what) ||
-                       std::holds_alternative<Selection::Named>(selection.what);
-    if (names) built_.selector().elements(selection);
+    if (selection.is_listed()) built_.selector().elements(selection);
   };
   if (const auto* faces = std::get_if<CutFaces>(&event.what)) {
     State unused;
@@ -409,9 +414,7 @@ void EventRunner::check(const Event& event) {
   } else if (const auto* pierce = std::get_if<Pierce>(&event.what)) {
     if (pierce->where) check_names(*pierce->where);
   } else if (const auto* grasp = std::get_if<Grasp>(&event.what)) {
-    if (std::holds_alternative<Selection::Ids>(grasp->held.where.what) ||
-        std::holds_alternative<Selection::Named>(grasp->held.where.what))
-      built_.selector().vertices(grasp->held.where);
+    if (grasp->held.where.is_listed()) built_.selector().vertices(grasp->held.where);
   } else if (const auto* sew = std::get_if<SewFaces>(&event.what)) {
     if (sew->where) check_names(*sew->where);
     if (sew->between)
@@ -479,10 +482,10 @@ void EventRunner::roll_back(double time) {
 void EventRunner::state(Archive& archive) {
   std::span states = states_;
   archive.each("events", states, [](Archive& each, State& state) {
-    each("came", state.has_fired);
+    each("has fired", state.has_fired);
     each("had effect", state.had_effect);
     each("last", state.last);
-    each("told misfits", state.reported_misfits);
+    each("reported misfits", state.reported_misfits);
     if (state.tear) each("tear", *state.tear);
     if (state.sheet) each("sheet", *state.sheet);
     if (state.blade && !state.sheet) each("blade", *state.blade);

@@ -28,26 +28,27 @@ double distance2(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 std::vector<Index> elements_along_path(const CellComplex& complex, const double* rows,
                                        std::span<const Vec3> path, double radius,
-                                       std::size_t stride) {
-  Vec3 low = path.front(), high = path.front();
-  for (const Vec3& p : path) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      low[c] = std::min(low[c], p[c]);
-      high[c] = std::max(high[c], p[c]);
-    }
+                                       std::size_t stride, const ElementBlocks* blocks) {
+  Box box = no_box;
+  for (const Vec3& p : path) include(box, p);
+  for (std::size_t c = 0; c < 3; ++c) {
+    box.low[c] -= radius;
+    box.high[c] += radius;
   }
   const auto is_near = [&](const Vec3& p) {
-    for (std::size_t c = 0; c < 3; ++c)
-      if (p[c] < low[c] - radius || p[c] > high[c] + radius) return false;
+    if (!contains(box, p)) return false;
     if (path.size() == 1) return distance2(p, path[0], path[0]) <= radius * radius;
     for (std::size_t i = 1; i < path.size(); ++i)
       if (distance2(p, path[i - 1], path[i]) <= radius * radius) return true;
     return false;
   };
   std::vector<Index> elements;
-  for (Index e = 0; e < complex.element_count(); ++e)
+  SearchedElements(blocks, complex.element_count(), [&](const Box& block) {
+    return overlap(block, box);
+  }).for_each([&](Index e) {
     if (complex.exists(3, e) && is_near(centroid(complex.vertices_of(e), rows, stride)))
       elements.push_back(e);
+  });
   return elements;
 }
 

@@ -18,12 +18,18 @@ Vec3 crossing(const PlanePatch& patch, const Vec3& a, const Vec3& b) {
   return {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};
 }
 
+/// That of the largest component of the normal.
+std::size_t projected_axis(const PlanePatch& patch) {
+  std::size_t axis = 0;
+  for (std::size_t a = 1; a < 3; ++a)
+    if (std::abs(patch.normal[a]) > std::abs(patch.normal[axis])) axis = a;
+  return axis;
+}
+
 /// Even-odd rule in the projection along the largest component of the normal; a
 /// side holds its lower end and not its upper, so that neighbours share nothing.
 bool is_in_polygon(const PlanePatch& patch, const Vec3& p) {
-  std::size_t drop = 0;
-  for (std::size_t a = 1; a < 3; ++a)
-    if (std::abs(patch.normal[a]) > std::abs(patch.normal[drop])) drop = a;
+  const std::size_t drop = projected_axis(patch);
   const std::size_t u = (drop + 1) % 3, v = (drop + 2) % 3;
   bool odd = false;
   for (std::size_t i = 0; i < patch.polygon.size(); ++i) {
@@ -37,6 +43,22 @@ bool is_in_polygon(const PlanePatch& patch, const Vec3& p) {
   return odd;
 }
 
+/// What is_inside() finds inside is in it.
+Box box_around(const PlanePatch& patch) {
+  Box polygon = no_box, box;
+  for (const Vec3& corner : patch.polygon) include(polygon, corner);
+  if (patch.polygon.empty()) polygon = everywhere;
+  const std::size_t drop = projected_axis(patch);
+  polygon.low[drop] = everywhere.low[drop];
+  polygon.high[drop] = everywhere.high[drop];
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double reach = patch.radius + 1e-14 * (patch.radius + std::abs(patch.point[a]));
+    box.low[a] = std::max(polygon.low[a], patch.point[a] - reach);
+    box.high[a] = std::min(polygon.high[a], patch.point[a] + reach);
+  }
+  return box;
+}
+
 }  // namespace
 
 bool is_inside(const PlanePatch& patch, const Vec3& p) {
@@ -46,8 +68,10 @@ bool is_inside(const PlanePatch& patch, const Vec3& p) {
 }
 
 std::vector<Dart> faces_across_patch(const CellComplex& complex, const double* rows,
-                                     const PlanePatch& patch, std::size_t stride) {
-  std::vector<Dart> faces = faces_across_plane(complex, rows, patch.point, patch.normal, stride);
+                                     const PlanePatch& patch, std::size_t stride,
+                                     const ElementBlocks* blocks) {
+  std::vector<Dart> faces = faces_across_plane(complex, rows, patch.point, patch.normal, stride,
+                                               blocks, box_around(patch));
   if (std::isinf(patch.radius) && patch.polygon.empty()) return faces;
   std::erase_if(faces, [&](Dart face) {
     const Vec3 a = centroid(complex.vertices_of(element_of(face)), rows, stride);

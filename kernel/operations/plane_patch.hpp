@@ -29,8 +29,10 @@ bool is_inside(const PlanePatch& patch, const Vec3& p);
 ///         . b    . c d
 ///
 /// A crossing on the rim of the disc is inside; a crossing on a side of the polygon is inside
-/// exactly one of two polygons that share the side. O(elements).
+/// exactly one of two polygons that share the side. O(elements); with `blocks`, of the vertices
+/// where they are, only those near the patch.
 std::vector<Dart> faces_across_patch(const CellComplex& complex, const double* rows,
-                                     const PlanePatch& patch, std::size_t stride = 4);
+                                     const PlanePatch& patch, std::size_t stride = 4,
+                                     const ElementBlocks* blocks = nullptr);
 
 }  // namespace suture

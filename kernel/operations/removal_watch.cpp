@@ -76,7 +76,7 @@ void RemovalWatch::state(Archive& archive) {
     each("point", holder.point);
     each("corners", holder.corners);
     each("by nodes", holder.by_nodes);
-    each("told", holder.reported);
+    each("reported", holder.reported);
     each("gone", holder.is_empty);
   });
 }

@@ -7,22 +7,10 @@
 #include <unordered_set>
 #include <vector>
 
-#include "kernel/topology/cell_complex.hpp"
 #include "kernel/topology/face_matching.hpp"
+#include "kernel/topology/seam.hpp"
 
 namespace suture {
-
-// Corner k of the face of seam.one meets the end of its counterpart dart.
-//
-//     k = 0        one         other
-//       *---->     the face of `one` runs forwards, that of `other` backwards
-//       o <----*
-inline Index corner_vertex(const CellComplex& complex, Seam seam, Dart k) {
-  return complex.origin((seam.one & ~3u) | ((seam.one + k) & 3u));
-}
-inline Index partner_vertex(const CellComplex& complex, Seam seam, Dart k) {
-  return complex.origin(CellComplex::beta1((seam.other & ~3u) | ((seam.other - k) & 3u)));
-}
 
 /// Seams that CellComplex::sew() accepts in one batch, collected one by one: the vertices merged by
 /// earlier seams restrict the later ones.

@@ -37,6 +37,12 @@ double mean(double a, double b) {
   return std::isnan(b) ? a : (a + b) / 2;
 }
 
+/// Null if no field on vertices has this name.
+const double* vertex_values(const Attributes& attributes, const std::string& name) {
+  const auto field = std::ranges::find(attributes.fields(), name, &VertexField::name);
+  return field == attributes.fields().end() ? nullptr : field->values->rows();
+}
+
 void add_face(const CellComplex& complex, Dart face, std::vector<Dart>& faces) {
   faces.push_back(std::min(face_of(face), face_of(complex.beta3(face))));
 }
@@ -174,6 +180,39 @@ std::vector<Dart> TearCheck::by_principal(const Snapshot& snapshot,
   return faces;
 }
 
+/// `values`: of every vertex. Where the element beyond the face is strained more, that one decides;
+/// an element that is open there tears no more.
+std::vector<Dart> TearCheck::by_vertices(const Snapshot& snapshot, const double* values) {
+  const CellComplex& complex = snapshot.complex;
+  std::vector<Dart> faces;
+  for (Index row = 0; row < row_count_; ++row) {
+    const Index e = rows_.empty() ? row : rows_[row];
+    const Hexahedron& vertices = complex.vertices_of(e);
+    const auto mean_of = [&](const auto& nodes) {
+      double sum = 0;
+      for (const auto n : nodes) sum += values[vertices[n]];
+      return sum / static_cast<double>(std::size(nodes));
+    };
+    static constexpr std::array<std::uint8_t, 8> all{0, 1, 2, 3, 4, 5, 6, 7};
+    if (!(mean_of(all) > tear_.above)) continue;
+    const AxisValue strain = snapshot.strain(e);
+    const auto& pair = faces_of_axis[static_cast<std::size_t>(strain.axis)];
+    const auto is_open = [&](int f) {
+      return complex.neighbour(e, f) == none && mean_of(suture_hexahedron_faces[f]) > tear_.above;
+    };
+    if (std::ranges::any_of(pair, is_open)) continue;
+    const auto [low, high] = pair;
+    const bool is_low =
+        mean_of(suture_hexahedron_faces[low]) >= mean_of(suture_hexahedron_faces[high]);
+    const int torn = is_low ? low : high;
+    const Index other = complex.neighbour(e, torn);
+    if (other == none || !takes_part(other) || snapshot.strain(other).value > strain.value)
+      continue;
+    add_face(complex, face_dart(e, torn), faces);
+  }
+  return faces;
+}
+
 /// `values`: of every edge, or null: the elongation.
 std::vector<Dart> TearCheck::by_edges(const Snapshot& snapshot, const std::vector<double>* values) {
   const CellComplex& complex = snapshot.complex;
@@ -254,6 +293,8 @@ std::vector<Dart> TearCheck::find(const Snapshot& snapshot) {
     faces = by_principal(snapshot, nullptr);
   } else if (tear_.by == Tear::By::elongation) {
     faces = by_edges(snapshot, nullptr);
+  } else if (const double* const u = vertex_values(snapshot.attributes, tear_.field)) {
+    faces = by_vertices(snapshot, u);
   } else {
     const int dimension = field_dimension(snapshot);
     const std::vector<double> values = field_values(snapshot, dimension);

@@ -33,6 +33,10 @@ namespace suture {
 ///                     which still says which pair of faces. Of two elements only one
 ///                     of which has a value (the other is of another model) that
 ///                     one's counts.
+///                     A field on vertices (SUTURE_FIELD), such as a phase field: an element tears
+///                     whose mean exceeds the threshold, at one of its two faces of that pair, the
+///                     one with the larger mean. So a crack that is smeared over several layers
+///                     of elements opens once.
 ///
 /// F = sum_a A_a x G_a, with A_a the mean of the four edge vectors of direction a and G_a the
 /// reciprocal of those at rest: exact for parallelepipeds.
@@ -72,6 +76,7 @@ class TearCheck {
   std::vector<Index> stretched(const Snapshot& snapshot) const;
   std::vector<Dart> find(const Snapshot& snapshot);
   std::vector<Dart> by_principal(const Snapshot& snapshot, const std::vector<double>* values);
+  std::vector<Dart> by_vertices(const Snapshot& snapshot, const double* values);
   std::vector<Dart> by_edges(const Snapshot& snapshot, const std::vector<double>* values);
   std::vector<double> field_values(const Snapshot& snapshot, int dimension) const;
   int field_dimension(const Snapshot& snapshot) const;

@@ -61,6 +61,11 @@ void CsvWriter::row(std::uint64_t step, std::span<const double> values) {
 }
 
 void CsvWriter::flush() {
+  if (folder_->is_silent()) {
+    bytes_ += std::exchange(buffer_, {}).size();
+    flushed_ = std::chrono::steady_clock::now();
+    return;
+  }
   if (!file_) file_ = bytes_ == 0 ? folder_->grow(name_) : folder_->grow(name_, bytes_);
   bytes_ += buffer_.size();
   file_->write(std::exchange(buffer_, {}));
@@ -79,13 +84,13 @@ void CsvWriter::require_in_place() const {
 void CsvWriter::finish() {
   if (std::exchange(finished_, true) || !has_rows_) return;
   flush();
-  file_->close();
+  if (file_) file_->close();
 }
 
 void CsvWriter::state(Archive& archive) {
   if (!archive.loads() && has_rows_ && !finished_) {
     flush();
-    file_->sync();
+    if (file_) file_->sync();
   }
   archive("has_rows", has_rows_);
   archive("bytes", bytes_);

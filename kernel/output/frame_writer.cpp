@@ -48,7 +48,7 @@ struct FrameWriter::Impl {
   }
 
   void require_all() {
-    if (pvd.files().empty()) return;
+    if (pvd.files().empty() || folder().is_silent()) return;
     folder().require_in_place();
     if (const std::size_t gone = pvd.leave_out_missing(folder().path()); gone != 0)
       throw IoError(pvd_path.string() + ": " + std::to_string(gone) +

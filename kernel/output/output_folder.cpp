@@ -98,6 +98,12 @@ LockedFolders& locked_folders() {
 OutputFolder::OutputFolder(std::filesystem::path path, std::filesystem::path root)
     : path_(std::move(path)), root_(std::move(root)) {}
 
+std::shared_ptr<OutputFolder> OutputFolder::silent(std::filesystem::path path) {
+  auto folder = std::make_shared<OutputFolder>(std::move(path));
+  folder->is_silent_ = true;
+  return folder;
+}
+
 OutputFolder::~OutputFolder() {
   if (own_.empty())
     abandon();
@@ -130,7 +136,7 @@ void OutputFolder::abandon() const noexcept {
 
 void OutputFolder::open() {
   const std::lock_guard guard(mutex_);
-  if (list_ >= 0 || is_closed_) return;
+  if (is_silent_ || list_ >= 0 || is_closed_) return;
   folder_.emplace(Folder::make(path_, root_));
   if (!locked_folders().add(folder_->descriptor()))
     throw IoError(path_.string() +
@@ -205,6 +211,7 @@ void OutputFolder::set_run(const std::string& run) {
 }
 
 void OutputFolder::continue_run(const std::string& earlier) {
+  if (is_silent_) return;
   open();
   const std::lock_guard guard(mutex_);
   if (!listed_.empty() && !listed_runs_.contains(earlier))
@@ -238,6 +245,7 @@ void OutputFolder::keep(const std::string& name, std::string text) {
 }
 
 void OutputFolder::begin() {
+  if (is_silent_) return;
   open();
   const std::lock_guard guard(mutex_);
   if (std::exchange(has_begun_, true)) return;
@@ -285,11 +293,14 @@ std::unique_ptr<OutputFile> OutputFolder::grow(const std::string& name, std::uin
 }
 
 void OutputFolder::remove(const std::string& name) {
+  if (is_silent_) return;
   open();
   folder_->remove(name);
 }
 
-void OutputFolder::sync() { folder_->sync(); }
+void OutputFolder::sync() {
+  if (!is_silent_) folder_->sync();
+}
 
 void OutputFolder::require_in_place() const {
   if (list_ < 0) return;

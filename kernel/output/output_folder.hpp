@@ -34,12 +34,15 @@ namespace suture {
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path path, std::filesystem::path root = {});
+  /// One that is not written to: another process of the same run does that.
+  static std::shared_ptr<OutputFolder> silent(std::filesystem::path path);
   /// Restores the original state of the folder if nothing was written.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
+  bool is_silent() const { return is_silent_; }
   /// Creates and locks the folder, once.
   void open();
   /// To be called when the run has ended: releases the folder, to which nothing can be written any
@@ -48,6 +51,7 @@ class OutputFolder {
   /// Writes a complete file or none at all: `fill(OutputFile&)`.
   template <class Fill>
   void write(const std::string& name, Fill&& fill) {
+    if (is_silent_) return;
     announce(name);
     AtomicFile file(*folder_, name);
     fill(file);
@@ -97,6 +101,7 @@ class OutputFolder {
   bool was_unfinished_ = false, is_marked_ = false;
   bool has_begun_ = false;
   bool is_closed_ = false;
+  bool is_silent_ = false;
   std::set<std::string> listed_;     ///< names in `.suture-run`
   std::set<std::string> own_;        ///< kept or announced
   std::set<std::string> announced_;  ///< by this process

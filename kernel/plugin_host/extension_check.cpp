@@ -45,23 +45,25 @@ class ExtensionCheck {
     entry.require(table->apply != nullptr, "its function is NULL");
   }
 
-  /// The functor of suture.parts/1, or null.
+  /// The functor of suture.parts/1 or /2, or null.
   const suture_functor* on_parts(const suture_model& model) const {
-    const auto* table = extension_of<suture_parts_1>(functor_, SUTURE_PARTS_1);
+    const char* const id = parts_extension(functor_);
+    const auto* table = extension_of<suture_parts_1>(functor_, id);
     if (table == nullptr) return nullptr;
-    const Entry entry = entry_.inner("extension", SUTURE_PARTS_1, 0);
+    const Entry entry = entry_.inner("extension", id, 0);
     if (!entry.size(table->size, least_.extension, sizeof *table)) return nullptr;
     entry.reserved(table->reserved);
     if (table->functor == nullptr) {
-      entry.require(functor_.dimension < 3 || functor_.shape == SUTURE_GENERAL,
+      entry.require(functor_.dimension < 3,
                     "its functor is NULL, which a functor on elements may not have");
       return nullptr;
     }
     if (!entry.size(table->functor->size, least_.functor, sizeof functor_)) return nullptr;
     const suture_functor& f = *functor_on_parts(functor_);
     check_functor(entry, model, f, true);
+    const bool may_read_more = functor_.shape == SUTURE_GENERAL;
     entry.require(f.dimension == 3 && functor_.dimension == 3 && f.shape == functor_.shape &&
-                      f.reads == functor_.reads,
+                      (may_read_more ? f.reads | functor_.reads : functor_.reads) == f.reads,
                   "its functor differs in dimension, shape or reads, or is not on elements");
     return &f;
   }

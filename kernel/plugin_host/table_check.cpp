@@ -12,6 +12,7 @@
 #include "kernel/plugin_host/host_extensions.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/plugin_host/table_entry.hpp"
+#include "suture/lips.h"
 
 namespace suture {
 namespace {
@@ -146,27 +147,41 @@ void check_policy(const Entry& entry, const suture_attribute& a) {
                   "SUTURE_FROM_VOLUMES");
 }
 
-/// An unknown on vertices, and what they take up of the one declared last before it.
+constexpr std::uint32_t other_uses =
+    SUTURE_TRIAL | SUTURE_SHARED_MASS | SUTURE_PARAMETER | SUTURE_FROM_PARAMETERS;
+constexpr std::uint32_t uses_of_field = SUTURE_CAPACITY | SUTURE_RELAXATION | SUTURE_FIELD_RATE;
+
+/// An attribute of the field that is declared last before it, of which a field has one.
+void check_of_field(const Entry& entry, const suture_model& m, std::uint32_t place,
+                    std::uint32_t flag, const std::string& name) {
+  const suture_attribute& a = m.attributes[place];
+  if ((a.flags & flag) == 0) return;
+  const bool is_sum = flag != SUTURE_FIELD_RATE;
+  entry.require(a.dimension == 0 && a.components == 1 &&
+                    a.policy == (is_sum ? SUTURE_FROM_VOLUMES : SUTURE_COPY) &&
+                    (a.flags & (other_uses | SUTURE_FIELD | uses_of_field) & ~flag) == 0,
+                "has " + name + ": expected dimension 0, 1 component, policy " +
+                    (is_sum ? "SUTURE_FROM_VOLUMES" : "SUTURE_COPY") +
+                    " and neither a trial copy nor another use");
+  std::uint32_t before = place;
+  while (before > 0 && (m.attributes[before - 1].flags & (SUTURE_FIELD | flag)) == 0) --before;
+  entry.require(before > 0 && (m.attributes[before - 1].flags & SUTURE_FIELD) != 0,
+                "has " + name + ", but no field (SUTURE_FIELD) stands before it that has none yet");
+}
+
+/// An unknown on vertices, and what belongs to it.
 void check_field(const Entry& entry, const suture_model& m, std::uint32_t place) {
   const suture_attribute& a = m.attributes[place];
-  constexpr std::uint32_t others =
-      SUTURE_TRIAL | SUTURE_SHARED_MASS | SUTURE_PARAMETER | SUTURE_FROM_PARAMETERS;
   if ((a.flags & SUTURE_FIELD) != 0)
     entry.require(a.dimension == 0 && a.components == 1 && a.policy == SUTURE_COPY &&
-                      (a.flags & (others | SUTURE_CAPACITY)) == 0,
+                      (a.flags & (other_uses | uses_of_field)) == 0,
                   "has SUTURE_FIELD: expected dimension 0, 1 component, policy SUTURE_COPY and "
                   "neither a trial copy nor another use");
-  if ((a.flags & SUTURE_CAPACITY) == 0) return;
-  entry.require(a.dimension == 0 && a.components == 1 && a.policy == SUTURE_FROM_VOLUMES &&
-                    (a.flags & others) == 0,
-                "has SUTURE_CAPACITY: expected dimension 0, 1 component, policy "
-                "SUTURE_FROM_VOLUMES and neither a trial copy nor another use");
-  std::uint32_t before = place;
-  while (before > 0 && (m.attributes[before - 1].flags & (SUTURE_FIELD | SUTURE_CAPACITY)) == 0)
-    --before;
-  entry.require(before > 0 && (m.attributes[before - 1].flags & SUTURE_FIELD) != 0,
-                "has SUTURE_CAPACITY, but no field (SUTURE_FIELD) stands before it that has none "
-                "yet");
+  else
+    entry.require((a.flags & SUTURE_RISING) == 0, "has SUTURE_RISING without SUTURE_FIELD");
+  check_of_field(entry, m, place, SUTURE_CAPACITY, "SUTURE_CAPACITY");
+  check_of_field(entry, m, place, SUTURE_RELAXATION, "SUTURE_RELAXATION");
+  check_of_field(entry, m, place, SUTURE_FIELD_RATE, "SUTURE_FIELD_RATE");
 }
 
 /// One for each type of 3-cell of this host, which has hexahedra.
@@ -215,7 +230,8 @@ void check_attributes(const Entry& model, const suture_model& m) {
                   "has " + std::to_string(a.components) + " components, expected 1 to 9");
     entry.known_bits(a.flags,
                      SUTURE_OUTPUT | SUTURE_TRIAL | SUTURE_SHARED_MASS | SUTURE_PARAMETER |
-                         SUTURE_FROM_PARAMETERS | SUTURE_INTERNAL | SUTURE_FIELD | SUTURE_CAPACITY,
+                         SUTURE_FROM_PARAMETERS | SUTURE_INTERNAL | SUTURE_FIELD | SUTURE_CAPACITY |
+                         SUTURE_RISING | SUTURE_RELAXATION | SUTURE_FIELD_RATE,
                      "flags");
     check_field(entry, m, i);
     check_parameter_flags(entry, m, a);
@@ -243,6 +259,8 @@ void check_column(const Entry& entry, const suture_model& m, std::uint32_t colum
                     "UINT32_MAX for the vertex mass");
   entry.require((a.flags & SUTURE_CAPACITY) == 0,
                 its + " has SUTURE_CAPACITY, which no functor reads");
+  entry.require((a.flags & SUTURE_RELAXATION) == 0,
+                its + " has SUTURE_RELAXATION, which no functor reads");
 }
 
 /// A functor that changes a field.
@@ -265,7 +283,8 @@ void check_columns(const Entry& entry, const suture_model& m, const suture_funct
                    bool on_parts) {
   if (entry.array(f.cell_columns, f.cell_column_count, "cell_columns"))
     for (std::uint32_t i = 0; i < f.cell_column_count; ++i)
-      if (!on_parts || f.cell_columns[i] != SUTURE_PART_COLUMN)
+      if (!on_parts || f.cell_columns[i] != (f.shape == SUTURE_GENERAL ? SUTURE_GENERAL_PART_COLUMN
+                                                                       : SUTURE_PART_COLUMN))
         check_column(entry, m, f.cell_columns[i], f.dimension, "cell");
   if (entry.array(f.vertex_columns, f.vertex_column_count, "vertex_columns"))
     for (std::uint32_t i = 0; i < f.vertex_column_count; ++i)
@@ -279,7 +298,8 @@ void check_cells(const Entry& entry, const suture_functor& f) {
   if (!entry.require(f.dimension <= 3,
                      "its dimension is " + std::to_string(f.dimension) + ", expected 0 to 3"))
     return;
-  entry.require(f.cell_type == type_of[f.dimension],
+  const bool on_lips = f.cell_type == SUTURE_LIPS && f.dimension == 2;
+  entry.require(f.cell_type == type_of[f.dimension] || on_lips,
                 "its cell_type is " + std::to_string(f.cell_type) + ", expected " +
                     std::to_string(type_of[f.dimension]) + " with dimension " +
                     std::to_string(f.dimension));
@@ -287,8 +307,8 @@ void check_cells(const Entry& entry, const suture_functor& f) {
   entry.known(f.faces, SUTURE_INTERIOR_FACES, "faces");
   entry.require(f.dimension == 3 || f.shape == SUTURE_ANY_SHAPE,
                 "names a shape, which only cells of dimension 3 have");
-  entry.require(f.dimension == 2 || f.faces == SUTURE_ALL_FACES,
-                "names a set of faces, but its dimension is not 2");
+  entry.require((f.dimension == 2 && !on_lips) || f.faces == SUTURE_ALL_FACES,
+                "names a set of faces, but its dimension is not 2, or its cells are lips");
 }
 
 void check_functors(const Entry& model, const suture_model& m) {

@@ -100,9 +100,13 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     if (contact && contact->cutting_work()) columns.push_back("cutting [J]");
     columns.insert(columns.end(),
                    {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});
-    for (const FieldEquation& field : built.body().fields())
+    for (const FieldEquation& field : built.body().fields()) {
       for (const char* part : {"content", "inflow", "produced", "changed"})
         columns.push_back(field.field().name + ' ' + part + " [" + field.unit_of_content() + ']');
+      if (field.has_energy())
+        for (const char* part : {" energy [J]", " dissipated [J]"})
+          columns.push_back(field.field().name + part);
+    }
     energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);
   }
   if (options.probes_every > 0 && !options.probes.empty()) {
@@ -239,9 +243,10 @@ void Recorder::energies(std::uint64_t step, double time, double dt, const Energy
   std::vector<double> values{time, dt, e.kinetic, e.elastic};
   for (const EnergyBalance::Work& work : e.works) values.push_back(work.value);
   values.insert(values.end(), {e.prescribed, e.models, e.events, e.dissipated, e.balance});
-  for (const FieldEquation& field : built_.body().fields()) {
-    const FieldBalance b = field.balance();
+  for (FieldEquation& field : built_.body().fields()) {
+    const FieldBalance b = field.balance(time);
     values.insert(values.end(), {b.content, b.inflow, b.produced, b.changed});
+    if (field.has_energy()) values.insert(values.end(), {b.energy, b.dissipated});
   }
   require_finite(values, "energies.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::energies, nullptr, std::move(values)});

@@ -30,9 +30,9 @@ SymmetricTensor strain_of(BuiltScene& built, Index element) {
   const CellComplex& complex = built.body().complex();
   Attributes& attributes = built.body().attributes();
   const HexahedronNodes rest = attributes.rest_places(complex).of(element);
+  const PartMoments* const part = attributes.parts().of(element);
   return green_lagrange(mean_gradient(positions(complex, attributes.position(), element),
-                                      reciprocals(mean_edges(rest)),
-                                      attributes.parts().of(element)));
+                                      reciprocals(mean_edges(rest, part)), part));
 }
 
 /// Descending; NaN for a tensor that is not finite.

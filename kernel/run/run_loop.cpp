@@ -16,8 +16,10 @@
 #include "kernel/implicit/newton.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
+#include "kernel/processes/process_share.hpp"
 #include "kernel/results/frame_parts.hpp"
 #include "kernel/run/notes_on_steps.hpp"
+#include "kernel/run/shared_run.hpp"
 #include "kernel/run/steering.hpp"
 #include "kernel/run/stops.hpp"
 #include "kernel/steps/free_bodies.hpp"
@@ -49,7 +51,8 @@ StepControl::Notify notify_to(Observer& observer) {
 
 RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
                  std::shared_ptr<OutputFolder> folder, bool check_plugins)
-    : diagnostics_(diagnostics),
+    : host_(host),
+      diagnostics_(diagnostics),
       built_(scene, diagnostics, skip),
       events_(scene_, built_, diagnostics),
       recorder_(scene_, built_, events_, provenance_of(host, built_), std::move(folder)),
@@ -72,6 +75,12 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   if (check_plugins) check_bounds();
   deliver_plugin_warnings(diagnostics);
   trim_heap();  // of the search
+}
+
+void RunLoop::share(Communicator& processes) {
+  require_shareable(built_);
+  require_same_run(processes, checkpoint_header(built_, host_));
+  built_.body().models().share(std::make_unique<ProcessShare>(processes));
 }
 
 /// A fixed dt does not need the bounds of the stable step.
@@ -438,7 +447,7 @@ void RunLoop::finish(Observer& observer) {
         rounding_warning(built_.dynamics(), scene_.solver.step_tolerance), deep_overlaps(built_)})
     if (!text.empty()) diagnostics_.warn(text);
   for (const std::string& text : notes_on_steps(built_.dynamics())) observer.on_message(text);
-  for (const auto& field : built_.body().fields()) observer.on_message(field.balance_text());
+  for (auto& field : built_.body().fields()) observer.on_message(field.balance_text());
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());

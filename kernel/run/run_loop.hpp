@@ -16,6 +16,8 @@
 
 namespace suture {
 
+class Communicator;
+
 /// The main loop of a run over a built scene. At each time the order is events, records, step: a
 /// frame shows the effect of events at its time.
 class RunLoop {
@@ -25,6 +27,7 @@ class RunLoop {
 
   // The functions of Simulation with these names.
   std::optional<RunSummary::Outcome> advance(const Pause& pause, Observer& observer);
+  void share(Communicator& processes);
   RunSummary run(Observer& observer);
   EventOutcome apply(const Event& event, Observer& observer);
   void change_motion(const std::function<void(Attributes&)>& change);
@@ -78,6 +81,7 @@ class RunLoop {
   void check_bounds();
   std::string describe_solver();
 
+  PluginHost& host_;
   Diagnostics& diagnostics_;
   BuiltScene built_;
   const Scene& scene_ = built_.scene();  ///< in the frame of the body

@@ -25,6 +25,8 @@ void Simulation::resume(const Checkpoint& checkpoint, const std::filesystem::pat
   run_->resume(checkpoint, file);
 }
 
+void Simulation::share(Communicator& processes) { run_->share(processes); }
+
 RunSummary Simulation::run(Observer& observer) { return run_->run(observer); }
 
 std::optional<RunSummary::Outcome> Simulation::advance(const Pause& pause, Observer& observer) {

@@ -20,6 +20,7 @@
 
 namespace suture {
 
+class Communicator;
 class OutputFolder;
 class ContactLaw;
 class RunLoop;
@@ -43,6 +44,12 @@ class Simulation {
   /// Resumes from a checkpoint of a run of this scene, read from `file`; call before anything else.
   /// Throws InputError with the reason if that is not possible.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
+
+  /// From now on several processes make the run together: each builds the same body, computes a
+  /// part of its forces and energies, and gives the rest of the results as one process does, bit
+  /// for bit. Call before resume(), in all of them. Throws InputError if they differ, or naming
+  /// what of the scene they cannot share. The communicator must outlive the run.
+  void share(Communicator& processes);
 
   /// Runs to the end, writes frames and tables. Throws NumericalError (frames written earlier
   /// remain; no frame shows an invalid state) and IoError. If interrupted, finishes the step,

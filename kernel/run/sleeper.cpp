@@ -151,7 +151,7 @@ void Sleeper::follow(const CellComplex&, const TopologyChange&) {
 }
 
 void Sleeper::state(Archive& archive) {
-  archive("still looks", still_checks_);
+  archive("checks at rest", still_checks_);
   archive("asleep", asleep_);
 }
 

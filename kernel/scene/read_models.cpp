@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/attributes/lips.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/scene/scene_parts.hpp"
@@ -93,6 +94,25 @@ std::string read_name(ObjectReader& object, const std::string& id, const Scene& 
   return *name;
 }
 
+/// Elements of a region or, of a model that acts on lips, two of them.
+void read_region(ObjectReader& object, ModelUse& use, Mistakes& mistakes) {
+  use.region.path = object.path_of("region");
+  const JsonValue* const region = object.find("region");
+  const JsonValue* const between = object.find("between");
+  if (region != nullptr) use.region = read_selection(*region, use.region.path, mistakes);
+  if (between != nullptr) use.between = read_two_regions(*between, object, "between");
+  if (use.model == nullptr) return;
+  if (!acts_on_lips(*use.model)) {
+    if (between != nullptr)
+      object.complain("between", "is for models that act between two regions; " + quote(use.name) +
+                                     " acts in one, which \"region\" names");
+    return;
+  }
+  object.require("between", "two selections of elements; the model acts where they meet");
+  if (region != nullptr)
+    object.complain("region", "is not allowed for a model that acts between two regions");
+}
+
 void read_model(ObjectReader& object, Reading& reading) {
   ModelUse use;
   use.path = object.path();
@@ -100,10 +120,7 @@ void read_model(ObjectReader& object, Reading& reading) {
   const auto id = object.string("model");
   if (id) use.model = look_up(object, *id, reading);
   use.name = read_name(object, id.value_or(""), reading.scene);
-  if (const JsonValue* region = object.find("region")) {
-    use.region = read_selection(*region, object.path_of("region"), reading.mistakes);
-  }
-  use.region.path = object.path_of("region");
+  read_region(object, use, reading.mistakes);
   use.on_inversion = read_on_inversion(object);
 
   const JsonValue* parameters = object.find("parameters");

@@ -18,7 +18,8 @@ std::optional<Selection> optional_selection(ObjectReader& object, const std::str
   return read_selection(*value, object.path_of(key), object.mistakes());
 }
 
-// One number per edge or element: what tearing can compare with a threshold.
+// One number per edge or element, or a field on vertices: what tearing can compare with a
+// threshold.
 std::vector<std::string> scalar_fields(const suture_model& model) {
   std::vector<std::string> names;
   for (std::uint32_t i = 0; i < model.functor_count; ++i) {
@@ -28,6 +29,8 @@ std::vector<std::string> scalar_fields(const suture_model& model) {
     for (const suture_field& field : output_fields(functor))
       if (field.components == 1) names.emplace_back(field.name);
   }
+  for (const suture_attribute& a : std::span(model.attributes, model.attribute_count))
+    if ((a.flags & SUTURE_FIELD) != 0) names.emplace_back(a.name);
   return names;
 }
 
@@ -50,7 +53,7 @@ void read_field(ObjectReader by, Tear& tear, Reading& reading) {
     const auto fields = model == nullptr ? std::vector{tear.field} : scalar_fields(*model);
     if (std::find(fields.begin(), fields.end(), tear.field) == fields.end()) {
       std::string text = quote(tear.model) + " has no scalar field " + quote(tear.field) +
-                         " on its elements or edges" + did_you_mean(tear.field, fields);
+                         " on its elements, edges or vertices" + did_you_mean(tear.field, fields);
       for (std::size_t i = 0; i < fields.size(); ++i) text += (i ? ", " : "; it has ") + fields[i];
       by.complain("field", text);
     }
@@ -111,15 +114,7 @@ SewFaces read_suture(ObjectReader suture) {
   }
   if (const JsonValue* between = suture.find("between")) {
     ++given;
-    const std::string path = suture.path_of("between");
-    const auto* items = read_array(*between, path, "two selections", suture.mistakes());
-    if (items != nullptr && items->size() == 2) {
-      result.between = {read_selection((*items)[0], child_path(path, 0), suture.mistakes()),
-                        read_selection((*items)[1], child_path(path, 1), suture.mistakes())};
-    } else if (items != nullptr) {
-      suture.complain("between", "must be two selections of elements [A, B], has " +
-                                     std::to_string(items->size()));
-    }
+    result.between = read_two_regions(*between, suture, "between");
     suture.require("gap", "the largest distance between corners, in m");
   } else if (suture.find("gap") != nullptr) {
     suture.complain("gap", "is only allowed with 'between'");

@@ -133,6 +133,21 @@ Vec3 require_vector(ObjectReader& object, const std::string& key, const std::str
   return object.vector(key, Limits::any(unit)).value_or(Vec3{});
 }
 
+std::optional<std::array<Selection, 2>> read_two_regions(const JsonValue& value,
+                                                         ObjectReader& object,
+                                                         const std::string& key) {
+  const std::string path = object.path_of(key);
+  Mistakes& mistakes = object.mistakes();
+  const auto* items = read_array(value, path, "two selections", mistakes);
+  if (items == nullptr) return {};
+  if (items->size() == 2)
+    return std::array{read_selection((*items)[0], child_path(path, 0), mistakes),
+                      read_selection((*items)[1], child_path(path, 1), mistakes)};
+  object.complain(
+      key, "must be two selections of elements [A, B], has " + std::to_string(items->size()));
+  return {};
+}
+
 std::vector<Vec3> read_points(const JsonValue& value, const std::string& path, std::size_t least,
                               Mistakes& mistakes) {
   std::vector<Vec3> points;

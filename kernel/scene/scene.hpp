@@ -63,6 +63,8 @@ struct ModelUse {
   std::vector<double> parameters;  ///< in declared order, defaults filled in; NaN: in `values`
   std::vector<CellValues> values;
   Selection region;
+  /// Of a model that acts on lips, in place of a region.
+  std::optional<std::array<Selection, 2>> between{};
   OnInversion on_inversion = OnInversion::by_model;  ///< takes precedence over the solver's
   std::string path;
 };

@@ -25,6 +25,10 @@ struct Reading {
 };
 
 Selection read_selection(const JsonValue& value, const std::string& path, Mistakes& mistakes);
+/// Two selections of elements, the value of `key` in `object`.
+std::optional<std::array<Selection, 2>> read_two_regions(const JsonValue& value,
+                                                         ObjectReader& object,
+                                                         const std::string& key);
 /// A direction: three numbers that are not all zero.
 std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key);
 /// A required vector of any length.

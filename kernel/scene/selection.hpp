@@ -40,6 +40,10 @@ struct Selection {
   };
   std::variant<All, InBox, Plane, HalfSpace, Sphere, Nearest, Ids, Named> what = All{};
   std::string path;  ///< "/constraints/0/where"
+  /// By ids or a set, rather than by where cells are.
+  bool is_listed() const {
+    return std::holds_alternative<Ids>(what) || std::holds_alternative<Named>(what);
+  }
 
   /// The default tolerance of a plane, as a fraction of the diagonal of the mesh's bounding box.
   static constexpr double default_tolerance = 1e-6;

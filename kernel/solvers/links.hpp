@@ -6,11 +6,8 @@
 
 namespace suture {
 
-/// CellTangents::functor of cells whose nodes share no element: of pieces that touch each other.
-constexpr Index link_functor = none;
-
-/// The nodes of these cells of a matrix, as cells of a graph without places. They are asked about,
-/// not computed, where terms allow that.
+/// The nodes of cells of link_functor of a matrix, as cells of a graph without places. They are
+/// asked about, not computed, where terms allow that.
 NodeGraph links_of(const TangentMatrix& a);
 
 /// The coarse nodes of these cells.

@@ -109,7 +109,7 @@ bool CoarseSpace::add_vertex(Grid& grid, GridNumbers& numbers, Index vertex, Ind
 CoarseSpace::Grid CoarseSpace::make_grid(const CellComplex& complex, Attributes& attributes,
                                          Index nodes) const {
   const Index vertices = attributes.vertex_count();
-  const std::vector<Index> pieces = pieces_of(complex, vertices);
+  const std::vector<Index> pieces = pieces_of(complex, attributes);
   std::vector<Index> order;
   for (Index v = 0; v < vertices; ++v)
     if (pieces[v] != none) order.push_back(v);

@@ -251,7 +251,9 @@ std::string StepControl::balance_warning() const {
   text << "the energy balance closes only to " << 100 * open << " % of the energy exchanged: ";
   if (scene_.solver.integrator == "implicit-euler")
     text << "implicit Euler damps motion that its steps do not follow; "
-         << (built_.body().contact() ? "" : "set /solver/integrator to \"newmark\", or ")
+         << (built_.body().contact() || scene_.solver.budget  // which "newmark" refuses
+                 ? ""
+                 : "set /solver/integrator to \"newmark\", or ")
          << "reduce ";
   else
     text << "the step is stable, but too coarse for a sudden load or motion; reduce ";

@@ -25,16 +25,42 @@ std::string fault_of(const PartMoments& part) {
   return "";
 }
 
+/// Of a parallelepiped: the means of grad yz = (0, z, y) and so on, which vanish over the cube.
+GeneralPart general_part_of(const PartMoments& part) {
+  const auto& [x, y, z] = part.centroid;
+  const auto& [yz, zx, xy] = part.covariance;
+  return {part.fraction, {{{0, z, y}, {z, 0, x}, {y, x, 0}, {yz + y * z, zx + z * x, xy + x * y}}}};
+}
+
 }  // namespace
+
+ElementParts::ElementParts(std::vector<Index> elements, std::vector<PartMoments> moments,
+                           std::vector<GeneralPart> general)
+    : elements_(std::move(elements)),
+      moments_(std::move(moments)),
+      general_(std::move(general)),
+      are_general_(!general_.empty()) {
+  for (std::size_t i = 0; i < general_.size(); ++i) moments_[i].fraction = general_[i].fraction;
+}
+
+void ElementParts::make_general() {
+  if (are_general_) return;
+  are_general_ = true;
+  for (const PartMoments& part : moments_) general_.push_back(general_part_of(part));
+}
 
 const PartMoments* ElementParts::of(Index element) const {
   const std::size_t place = position_in(elements_, element);
   return place < moments_.size() ? &moments_[place] : nullptr;
 }
 
-void ElementParts::begin_copies(const Parts& copies) {
+void ElementParts::begin_copies(const Parts& copies, std::span<const GeneralPart> general) {
+  const std::size_t first = moments_.size();
   elements_.insert(elements_.end(), copies.elements.begin(), copies.elements.end());
   moments_.insert(moments_.end(), copies.moments.begin(), copies.moments.end());
+  general_.insert(general_.end(), general.begin(), general.end());
+  for (std::size_t i = 0; i < general.size(); ++i)
+    moments_[first + i].fraction = general[i].fraction;
   copies_ = &copies;
 }
 
@@ -42,6 +68,9 @@ void ElementParts::state(Archive& archive) {
   archive("elements", elements_);
   archive.rows<double>("moments", moments_);
   archive.require(elements_.size() == moments_.size(), "parts without moments, or the reverse");
+  if (!are_general_) return;
+  archive.rows<double>("general", general_);
+  archive.require(elements_.size() == general_.size(), "parts without gradients, or the reverse");
 }
 
 void ElementParts::mirror(Index element) {
@@ -51,6 +80,10 @@ void ElementParts::mirror(Index element) {
   part.centroid[0] = -part.centroid[0];
   part.covariance[1] = -part.covariance[1];
   part.covariance[2] = -part.covariance[2];
+  if (!are_general_) return;
+  for (std::size_t k = 0; k < 4; ++k)  // x changes its sign, and with it zx, xy and xyz
+    for (std::size_t a = 0; a < 3; ++a)
+      if ((k > 0) != (a == 0)) general_[place].gradients[k][a] *= -1;
 }
 
 ElementParts number_parts(const Parts& parts, Index element_count,
@@ -70,11 +103,13 @@ ElementParts number_parts(const Parts& parts, Index element_count,
   std::ranges::sort(order, {}, number);
   std::vector<Index> elements;
   std::vector<PartMoments> moments;
+  std::vector<GeneralPart> general;
   for (const Index i : order) {
     elements.push_back(number(i));
     moments.push_back(parts.moments[i]);
+    if (!parts.general.empty()) general.push_back(parts.general[i]);
   }
-  return {std::move(elements), std::move(moments)};
+  return {std::move(elements), std::move(moments), std::move(general)};
 }
 
 }  // namespace suture

@@ -39,9 +39,17 @@ struct Conduction : ConductionIn<Shape> {
 };
 
 /// Those of which only a part is material.
-struct ConductionInParts : ConductionIn<SUTURE_PARALLELEPIPED> {
-  static constexpr const char* name = "conduction in parts of parallelepipeds";
-  static constexpr auto cell_columns = suture::columns(suture::element_part);
+template <std::uint32_t Shape>
+struct ConductionInParts : ConductionIn<Shape> {
+  static constexpr const char* name = Shape == SUTURE_PARALLELEPIPED
+                                          ? "conduction in parts of parallelepipeds"
+                                          : "conduction in parts of general hexahedra";
+  static constexpr auto cell_columns = [] {
+    if constexpr (Shape == SUTURE_PARALLELEPIPED)
+      return suture::columns(suture::element_part);
+    else
+      return suture::columns(suture::element_general_part);
+  }();
 
   template <class Cell>
   static void rate(const Cell& cell) {
@@ -51,9 +59,9 @@ struct ConductionInParts : ConductionIn<SUTURE_PARALLELEPIPED> {
 
 }  // namespace
 
-template <>
-struct suture::detail::functor_on_parts<Conduction<SUTURE_PARALLELEPIPED>> {
-  using type = ConductionInParts;
+template <std::uint32_t Shape>
+struct suture::detail::functor_on_parts<Conduction<Shape>> {
+  using type = ConductionInParts<Shape>;
 };
 
 struct Heat : suture::model {

@@ -5,21 +5,12 @@
 #include <cstdlib>
 
 #include "tests/apps/program.hpp"
+#include "tests/base/variable.hpp"
 
 namespace suture::testing {
 namespace {
 
-/// An environment variable for the programs that are started meanwhile.
-class Variable {
- public:
-  Variable(const char* name, const char* value) : name_(name) { setenv(name, value, 1); }
-  ~Variable() { unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-};
+using test::Variable;
 
 class Mistakes : public Program {
  protected:

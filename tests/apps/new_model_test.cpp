@@ -45,10 +45,11 @@ TEST_F(NewModel, HasALevelForEveryKindOfCell) {
   const Level levels[] = {
       {"springs", "model.cpp", "on_edges"},    {"nodes", "model.cpp", "on_vertices"},
       {"faces", "model.cpp", "on_faces"},      {"field", "model.cpp", "vertex_field"},
+      {"constraint", "model.cpp", "C^2"},      {"lips", "model.cpp", "on_lips"},
       {"batches", "model.cpp", "SUTURE_EDGE"}, {"c", "model.c", "SUTURE_VERTEX"}};
   for (const auto& [name, file, words] : levels) {
     const std::string folder = std::string("my-") + name + "/";
-    EXPECT_EQ(suture({"new-model", std::string("my-") + name, "--level", name}).code, 0) << name;
+    EXPECT_EQ(suture({"new-model", std::string("my-") + name, "--kind", name}).code, 0) << name;
     EXPECT_NE(read(folder + file).find(words), std::string::npos) << name;
     EXPECT_NE(read(folder + "CMakeLists.txt").find(file), std::string::npos) << name;
     for (const char* written : {"CMakeLists.txt", "README.md", "scene.json", file})

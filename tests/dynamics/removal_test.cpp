@@ -16,6 +16,7 @@
 #include "kernel/dynamics/residual.hpp"
 #include "kernel/forces/compiled_functor.hpp"
 #include "tests/base/sanitizer.hpp"
+#include "tests/base/variable.hpp"
 #include "tests/dynamics/rig.hpp"
 
 namespace {
@@ -80,8 +81,7 @@ void shake(suture::Body& body, double amount, unsigned seed) {
 
 class RemovalOnIsa : public testing::TestWithParam<const char*> {
  protected:
-  void SetUp() override { setenv("SUTURE_ISA", GetParam(), 1); }
-  void TearDown() override { unsetenv("SUTURE_ISA"); }
+  const suture::test::Variable isa_{"SUTURE_ISA", GetParam()};
 };
 INSTANTIATE_TEST_SUITE_P(Sets, RemovalOnIsa, testing::Values("base", "avx2", "avx512"));
 
@@ -256,7 +256,7 @@ TEST(Removal, ColoursAndOrderHoldAfterSewing) {
   body.compile();
   CellComplex& complex = body.complex();
   const RestPlaces rest = body.attributes().rest_places(complex);
-  RowNodes nodes(instance, 1, rest);
+  RowNodes nodes(instance, instance.model().functors[0], rest);
   CompiledFunctor edges(instance, instance.model().functors[0], &nodes),
       boxes(instance, instance.model().functors[1], nullptr);
   edges.build(complex);

@@ -10,6 +10,7 @@
 
 #include "kernel/base/isa.hpp"
 #include "tests/base/sanitizer.hpp"
+#include "tests/base/variable.hpp"
 #include "tests/forces/spring_model.hpp"
 
 namespace {
@@ -21,8 +22,7 @@ using spring_model::Body;
 /// Every instruction set that this processor has.
 class OnIsa : public testing::TestWithParam<const char*> {
  protected:
-  void SetUp() override { setenv("SUTURE_ISA", GetParam(), 1); }
-  void TearDown() override { unsetenv("SUTURE_ISA"); }
+  const suture::test::Variable isa_{"SUTURE_ISA", GetParam()};
 };
 INSTANTIATE_TEST_SUITE_P(Sets, OnIsa, testing::Values("base", "avx2", "avx512"));
 

@@ -11,6 +11,7 @@
 
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "suture/single.h"
+#include "tests/base/variable.hpp"
 #include "tests/forces/spring_model.hpp"
 
 namespace suture {
@@ -162,9 +163,8 @@ TEST_P(Product, IsTheSameOnEveryInstructionSet) {
   const std::vector<double> d = best.direction(0);
   const std::vector<double> expected = best.product<double>(d, 2, 0.3);
   for (const char* isa : {"base", "avx2"}) {
-    setenv("SUTURE_ISA", isa, 1);
+    const suture::test::Variable chosen("SUTURE_ISA", isa);
     Block body(GetParam());
-    unsetenv("SUTURE_ISA");
     EXPECT_LT(difference(body.product<double>(d, 2, 0.3), expected), 1e-12) << isa;
     EXPECT_LT(difference(body.product<float>(d, 2, 0.3), expected), 1e-5) << isa;
   }

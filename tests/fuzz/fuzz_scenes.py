@@ -45,7 +45,7 @@ VALUES = [None, True, False, "", "all", "xyz", "auto", "rest", "a\u0000b", "\u03
           [1, 0], [[]], {"set": "x0"}, {"set": "x1"}, {"ids": [0]}, {"nearest": [0, 0, 0]},
           {"to": 1e-3}, {"from": 1, "to": 0}, {"array": "E"}, 7, 0.25]
 WORDS = ["tm-faure", "hooke", "corotational", "neo-hookean", "mooney-rivlin", "fibres", "visco",
-         "mss-baudet", "mss-golec", "damage", "damage-springs", "volume", "x0", "x1", "y0", "z1",
+         "mss-baudet", "mss-golec", "damage", "damage-springs", "volume", "cohesive", "tie", "x0", "x1", "y0", "z1",
          "displacement", "velocity", "stress", "reaction", "contact_force", "gap", "nodal_stress",
          "symplectic-euler", "velocity-verlet", "implicit-euler", "newmark", "xpbd", "penalty",
          "impulses", "mean-gradient", "trilinear", "deformed", "warn", "stop", "split", "hold",

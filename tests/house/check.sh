@@ -43,6 +43,14 @@ subjects() {
   offences '^ *//[/!]* *<* *Of ' 'a comment has a subject' "$sources"
 }
 
+# One word for one thing. Keys of archives say what is stored.
+words() {
+  local bad=0
+  offences '\b(anew|base line|told misfits)\b' 'write: again, baseline, reported misfits' "$sources|\.md$" || bad=1
+  offences '(archive|each)\("(came|fed|told|still)[" ]' 'a key names what is stored' '^kernel/.*'"$sources" || bad=1
+  return $bad
+}
+
 # A reader that stops early ends the writer by SIGPIPE, and with it, sometimes, a script that has
 # set pipefail.
 pipes() {
@@ -59,7 +67,7 @@ include_direction() {
   offences '#include [<"](apps|plugins|tests)/' \
     'the kernel knows neither the program nor the plugins' '^kernel/.*'"$sources" || bad=1
   # Stages in the order of the flow: each may include itself and earlier ones.
-  local stages=(base plugin_host vtk hdf5 mesh topology geometry images parts attributes forces solvers fields contact dynamics spectrum implicit gradients model_check scene build operations output results steps run live)
+  local stages=(base plugin_host vtk hdf5 mesh topology geometry images parts attributes forces processes solvers fields contact dynamics spectrum implicit gradients model_check scene build operations output results steps run live)
   local i later
   for i in "${!stages[@]}"; do
     later=$(IFS='|'; echo "${stages[*]:i+1}")
@@ -80,17 +88,19 @@ include_direction() {
 
 # spdx_of FILTER LICENCE: the first three lines say it.
 spdx_of() {
-  local bad=0 file
-  while read -r file; do
-    grep -q "SPDX-License-Identifier: $2\$" <(head -n 3 "$file") ||
-      { echo "$file:1: wants 'SPDX-License-Identifier: $2' on top"; bad=1; }
-  done < <(files "$1")
-  return $bad
+  local wrong
+  wrong=$(files "$1" | xargs -r -d '\n' awk -v licence="SPDX-License-Identifier: $2\$" '
+    function end_file() { if (file != "" && !is_good) print file ":1: " }
+    FNR == 1 { end_file(); file = FILENAME; is_good = 0 }
+    $0 ~ licence { is_good = 1 }
+    FNR == 3 { nextfile }
+    END { end_file() }')
+  [ -z "$wrong" ] || { echo "$wrong"; echo "these want 'SPDX-License-Identifier: $2' on top"; return 1; }
 }
 licences() {
   local bad=0
   # Models in tests/sdk are examples to copy, under the licence of the SDK.
-  spdx_of '^tests/sdk/.*'"$sources" '\(MIT\|GPL-3.0-or-later\)' || bad=1
+  spdx_of '^tests/sdk/.*'"$sources" '(MIT|GPL-3.0-or-later)' || bad=1
   spdx_of '^(kernel|apps|tests/([^s]|scene|solvers)[^/]*)/.*\.(h|hpp|c|cpp|sh|py)$' GPL-3.0-or-later || bad=1
   spdx_of '^(sdk|plugins)/.*\.(h|hpp|c|cpp)$' MIT || bad=1
   return $bad
@@ -110,28 +120,20 @@ class_names() {
 
 # A file that is longer holds two things.
 sizes() {
-  local bad=0 file lines limit
-  while read -r file; do
-    lines=$(wc -l <"$file")
-    case $file in
-      CMakeLists.txt) limit=120 ;;
-      */CMakeLists.txt) limit=60 ;;
-      tests/*) limit=700 ;;
-      *) limit=600 ;;
-    esac
-    [ "$lines" -le "$limit" ] || { echo "$file: $lines lines, at most $limit"; bad=1; }
-  done < <(files "$sources|CMakeLists.txt$")
-  return $bad
+  files "$sources|CMakeLists.txt$" | xargs -r -d '\n' wc -l | awk '
+    $2 == "total" { next }
+    { limit = 600 }
+    $2 ~ /^tests\// { limit = 700 }
+    $2 ~ /CMakeLists.txt$/ { limit = $2 ~ /\// ? 60 : 120 }
+    $1 > limit { print $2 ": " $1 " lines, at most " limit; is_bad = 1 }
+    END { exit is_bad }'
 }
 
 # No large or binary file by accident.
 weight() {
-  local bad=0 file size
-  while read -r file; do
-    size=$(stat -c %s "$file")
-    [ "$size" -le 1000000 ] || { echo "$file: $size bytes, at most 1000000"; bad=1; }
-  done < <(files)
-  return $bad
+  files | xargs -r -d '\n' stat -c '%s %n' | awk '
+    $1 > 1000000 { print $2 ": " $1 " bytes, at most 1000000"; is_bad = 1 }
+    END { exit is_bad }'
 }
 
 # Each relative link of the documentation leads to a file.
@@ -161,7 +163,7 @@ top_level() {
 }
 
 case $check in
-  machine_paths | unfinished | subjects | pipes | include_direction | licences | class_names | sizes | weight | links | format | top_level)
+  machine_paths | unfinished | subjects | words | pipes | include_direction | licences | class_names | sizes | weight | links | format | top_level)
     "$check" && echo "$check: good" ;;
   *) echo "check.sh: no check '$check'"; exit 2 ;;
 esac

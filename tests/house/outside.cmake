@@ -21,8 +21,8 @@ must(${CMAKE_COMMAND} --build ${PREFIX}/outside/build)
 must(${CMAKE_CTEST_COMMAND} --test-dir ${PREFIX}/outside/build --no-tests=error)
 # So are those of the models that `suture new-model` writes, and runs of their scenes. The law is
 # outside/ itself, and an example that other tests build.
-foreach(level springs nodes faces field batches c)
-  must(${PREFIX}/usr/bin/suture new-model my-${level} --level ${level} -o ${PREFIX})
+foreach(level springs nodes faces field constraint lips batches c)
+  must(${PREFIX}/usr/bin/suture new-model my-${level} --kind ${level} -o ${PREFIX})
   if(NOT out MATCHES "-DCMAKE_PREFIX_PATH=${PREFIX}/usr")
     message(FATAL_ERROR "suture new-model does not say where Suture is:\n${out}")
   endif()

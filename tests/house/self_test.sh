@@ -40,6 +40,8 @@ must_report machine_paths docs/a.md 'see /'work/notes.md
 must_report machine_paths kernel/mesh/a.hpp '#include "/'root/a.h\"
 must_report unfinished kernel/mesh/a.hpp '// TO''DO: later'
 must_report unfinished tests/a.cpp 'GTEST_''SKIP();'
+must_report words docs/a.md 'it is computed an''ew'
+must_report words kernel/mesh/a.hpp 'archive("came", fired);'
 must_report pipes tests/a.sh 'ls | he''ad -n 1'
 must_report include_direction sdk/a.h '#include "kernel/mesh/mesh.hpp"'
 must_report include_direction plugins/a.cpp '#include "kernel/mesh/mesh.hpp"'

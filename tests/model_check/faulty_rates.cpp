@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Models of fields, each with one fault in its rates or its capacity.
-#include "suture/diffusion.hpp"
+#include "suture/continuum.hpp"
 
 namespace {
 
@@ -81,7 +81,27 @@ struct NoCapacity : suture::model, suture::on_volumes {
   }
 };
 
+// The stress falls with the field, and the field does not feel by how much.
+struct OneWay : suture::continuum<OneWay> {
+  static constexpr const char *id = "rate-one-way", *doc = "A planted fault", *formula = "none",
+                              *citation = "none";
+  static double density(const suture::values&) { return 1000; }
+  static double capacity(const suture::values&) { return 2; }
+  static constexpr suture::attribute vertex_fields[] = {
+      suture::vertex_field("u", "1", "An unknown"),
+      suture::lumped_capacity<OneWay>("capacity", "1", "Of the nodes")};
+  template <class T, class P, class At>
+  static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P&, const At& at) {
+    return (1e4 - 1e3 * at.field[0]) * (excess_I1(F) - 2.0 * log1p(excess_J(F)));
+  }
+  template <class F, class P, class At>
+  static auto release(const F& f, const P&, const At& at) {
+    return suture::released{900.0 * (excess_I1(f) - 2.0 * log1p(excess_J(f))) - at.field,
+                            at.gradient * -1.0};
+  }
+};
+
 }  // namespace
 
 SUTURE_PLUGIN("faulty-rates", "1.0", "MIT", "Fields with planted faults", Upwind, Source, Blind,
-              NoCapacity)
+              NoCapacity, OneWay)

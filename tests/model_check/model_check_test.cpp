@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"active-ignores-end", "parameters"},
                     Planted{"active-fixed-axis", "objectivity"}, Planted{"rate-upwind", "rates"},
                     Planted{"rate-source", "rates"}, Planted{"rate-blind", "rates"},
-                    Planted{"rate-no-capacity", "field-cut"}),
+                    Planted{"rate-no-capacity", "field-cut"}, Planted{"rate-one-way", "coupling"}),
     [](const auto& test) {
       std::string name = test.param.fault;
       std::erase(name, '-');
@@ -116,10 +116,11 @@ TEST_P(PlantedFaults, IsFoundAgainWhereItWasFound) {
 class GoodModels : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(ModelCheck, GoodModels,
                          testing::Values("none", "neo-hooke", "active-muscle", "active-tone",
-                                         "corotational", "damage", "damage-springs", "fibres",
-                                         "heat", "hooke", "mooney-rivlin", "mss-baudet",
-                                         "mss-golec", "neo-hookean", "thermoelastic", "tm-faure",
-                                         "visco", "volume"),
+                                         "cohesive", "corotational", "damage", "damage-springs",
+                                         "fibres", "gradient-damage", "heat", "hooke",
+                                         "mooney-rivlin", "mss-baudet", "mss-golec", "neo-hookean",
+                                         "porous", "thermoelastic", "tie", "tm-faure", "visco",
+                                         "volume"),
                          [](const auto& test) {
                            std::string name = test.param;
                            std::erase(name, '-');

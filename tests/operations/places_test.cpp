@@ -3,8 +3,11 @@
 // The cells selected by plane patches, paths and boxes.
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <random>
 
+#include "kernel/geometry/element_blocks.hpp"
+#include "kernel/geometry/surface_blade.hpp"
 #include "kernel/operations/islands.hpp"
 #include "kernel/operations/pierce_path.hpp"
 #include "kernel/operations/plane_patch.hpp"
@@ -137,6 +140,77 @@ TEST(ElementsAlongPath, AreThoseNearThePolyline) {
     }
     EXPECT_EQ(elements_along_path(block.complex, block.rows.data(), path, radius), expected);
   }
+}
+
+/// A block that is bent more and more, cut, pierced and sewn, with blocks that follow.
+class BentBlock : public testing::Test {
+ protected:
+  BentBlock() { blocks_.emplace(block_.complex, Places{block_.rows.data()}); }
+
+  double number(double low, double high) {
+    return std::uniform_real_distribution(low, high)(random_);
+  }
+  Vec3 place() { return {number(-2, 18), number(-2, 18), number(-2, 26)}; }
+
+  void bend() {
+    const double angle = number(0, 6), size = number(0, 1);
+    for (Index v = 0; v < block_.complex.count(0); ++v) {
+      double* x = block_.rows.data() + 4 * std::size_t{v};
+      x[0] += size * std::sin(angle + 0.2 * x[2]) + number(-0.01, 0.01);
+      x[1] += size * std::cos(angle + 0.3 * x[0]);
+    }
+    blocks_->read(0, block_.complex.count(0), {block_.rows.data()});
+  }
+  void follow(const TopologyChange& change) {
+    for (const Split& split : change.splits[0])
+      for (std::size_t c = 0; c < 4; ++c)
+        block_.rows.push_back(block_.rows[4 * std::size_t{split.old_cell} + c]);
+    for (const Merge& merge : change.merges[0]) block_.rows[4 * std::size_t{merge.kept}] += 0.1;
+    blocks_->follow(block_.complex, change, {block_.rows.data()});
+  }
+  /// Cuts the faces, and sews half of them again.
+  void cut(const std::vector<Dart>& faces) {
+    std::vector<Seam> seams;
+    for (const Dart d : faces)
+      if (seams.size() < faces.size() / 2) seams.push_back({d, block_.complex.beta3(d)});
+    follow(block_.complex.cut(faces));
+    if (!seams.empty()) follow(block_.complex.sew(seams));
+  }
+
+  Block block_{grid(16, 16, 24)};
+  std::optional<ElementBlocks> blocks_;
+  const unsigned seed_ = 11;
+  std::mt19937 random_{seed_};
+};
+
+TEST_F(BentBlock, IsSearchedInBlocksWithTheSameResult) {
+  SCOPED_TRACE(seed_);
+  std::size_t faces = 0, elements = 0;
+  for (int round = 0; round < 40; ++round) {
+    if (round % 3 == 0) bend();
+    PlanePatch patch{place(), place()};
+    if (round % 4 != 0) patch.radius = number(0, 8);
+    const std::vector<Vec3> triangle{place(), place(), place()};
+    if (round % 5 == 0) patch.polygon = triangle;
+    const double* rows = block_.rows.data();
+    const auto across = faces_across_patch(block_.complex, rows, patch);
+    EXPECT_EQ(faces_across_patch(block_.complex, rows, patch, 4, &*blocks_), across);
+
+    Diagnostics diagnostics;
+    const SurfaceBlade blade({"triangle", triangle, {{0, 1, 2}}}, diagnostics);
+    EXPECT_EQ(blade.faces_cut(block_.complex, {rows}, nullptr, &*blocks_),
+              blade.faces_cut(block_.complex, {rows}));
+
+    const std::vector<Vec3> path{place(), place()};
+    const auto along = elements_along_path(block_.complex, rows, path, 1);
+    EXPECT_EQ(elements_along_path(block_.complex, rows, path, 1, 4, &*blocks_), along);
+    faces += across.size();
+    elements += along.size();
+    cut(across);
+    if (!along.empty()) follow(block_.complex.pierce(along));
+  }
+  EXPECT_GT(faces, 500u);
+  EXPECT_GT(elements, 100u);
 }
 
 TEST(ElementsOfIslands, AreSmallOnesAndThoseThatLeft) {

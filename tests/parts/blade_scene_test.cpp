@@ -203,6 +203,21 @@ std::shared_ptr<Mesh> mesh_of_bar() {
   return std::make_shared<Mesh>(make_box({{0, 0, 0}, {8, 2, 2}, {8, 2, 2}}));
 }
 
+/// A hexagonal prism of three elements with an inner edge.
+std::shared_ptr<Mesh> three_around_an_edge() {
+  auto mesh = std::make_shared<Mesh>();
+  for (const double z : {0.0, 1.0}) {
+    mesh->points.push_back({6, 1, z});
+    for (int i = 0; i < 6; ++i)
+      mesh->points.push_back({6 + std::cos(i * M_PI / 3), 1 + std::sin(i * M_PI / 3), z});
+  }
+  for (const Index i : {1u, 3u, 5u}) {
+    const Index next = i + 1, last = i == 5 ? 1 : i + 2;
+    mesh->hexahedra.push_back({0, i, last, next, 7, i + 7, last + 7, next + 7});
+  }
+  return mesh;
+}
+
 TEST(BladeScene, RefusesMeshesThatAreNoGrid) {
   const auto error = [](std::shared_ptr<const Mesh> mesh) {
     Scene scene = bar();
@@ -213,13 +228,13 @@ TEST(BladeScene, RefusesMeshesThatAreNoGrid) {
   EXPECT_THAT(error(mesh_of_bar()), IsEmpty());
   auto bent = mesh_of_bar();
   bent->points[13][0] += 0.1;
-  EXPECT_THAT(error(bent), AllOf(StartsWith("/events/0/cut/along: element "),
-                                 HasSubstr("is not a parallelepiped at rest")));
+  EXPECT_THAT(error(bent), IsEmpty());
   auto turned = mesh_of_bar();
   const Hexahedron h = turned->hexahedra[9];
   turned->hexahedra[9] = {h[1], h[3], h[0], h[2], h[5], h[7], h[4], h[6]};
-  EXPECT_THAT(error(turned), AllOf(StartsWith("/events/0/cut/along: element "),
-                                   HasSubstr("not numbered along the same axes")));
+  EXPECT_THAT(error(turned), IsEmpty());
+  EXPECT_THAT(error(three_around_an_edge()), AllOf(StartsWith("/events/0/cut/along: element "),
+                                                   HasSubstr("do not lie along the same axes")));
 }
 
 TEST(BladeScene, MayBeDivisibleWithoutACut) {
@@ -229,12 +244,6 @@ TEST(BladeScene, MayBeDivisibleWithoutACut) {
               StartsWith("/output/surface: is for bodies with"));
   scene.is_divisible = true;
   EXPECT_NO_THROW(Built built(scene));
-  scene.mesh.box.reset();
-  auto bent = mesh_of_bar();
-  bent->points[13][0] += 0.1;
-  scene.mesh.given = std::move(bent);
-  EXPECT_THAT(error_of<InputError>([&] { const Built built(scene); }),
-              AllOf(StartsWith("/divisible: element "), HasSubstr("is not a parallelepiped")));
 }
 
 TEST(BladeScene, RefusesCutsForWhichItIsNotPrepared) {

@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "kernel/base/vec3.hpp"
+#include "kernel/parts/embedding.hpp"
+#include "kernel/parts/general_part.hpp"
 #include "kernel/parts/moments.hpp"
 
 namespace parts_test {
@@ -128,6 +130,50 @@ Mesh cut_box(const suture::BoxOptions& box, std::span<const Level> levels) {
     kept.push_back(nodes);
   }
   mesh.hexahedra = std::move(kept);
+  return mesh;
+}
+
+Mesh cut_mesh(Mesh mesh, std::span<const Level> levels) {
+  std::vector<suture::Hexahedron> kept;
+  mesh.parts.first.push_back(0);
+  for (const suture::Hexahedron& nodes : mesh.hexahedra) {
+    std::vector<Level> local;
+    for (const Level& level : levels)
+      local.push_back([&](const Vec3& at) {
+        return level(suture::place_in(nodes, at, mesh.points[0].data(), 3));
+      });
+    const std::vector<Tetrahedron> part = clipped_cube(local);
+    const PartMoments moments = moments_of(part);
+    if (part.empty() || moments.fraction < 1e-18) continue;
+    const auto element = static_cast<Index>(kept.size());
+    kept.push_back(nodes);
+    if (moments.fraction > 1 - 1e-12) continue;
+    suture::Parts& parts = mesh.parts;
+    for (Tetrahedron t : part) {
+      if (suture::six_volumes(t) < 0) std::swap(t[0], t[1]);
+      const auto first = static_cast<Index>(parts.points.size());
+      for (const Vec3& at : t) parts.points.push_back({element, at});
+      parts.tetrahedra.push_back({first, first + 1, first + 2, first + 3});
+    }
+    parts.elements.push_back(element);
+    parts.moments.push_back(moments);
+    parts.first.push_back(static_cast<Index>(parts.tetrahedra.size()));
+    std::array<Vec3, 8> corners;
+    for (std::size_t n = 0; n < 8; ++n) corners[n] = mesh.points[nodes[n]];
+    parts.general.push_back(general_part(parts, parts.elements.size() - 1, corners));
+  }
+  mesh.hexahedra = std::move(kept);
+  return mesh;
+}
+
+Mesh warped(Mesh mesh, double most) {
+  const auto [first, last] =
+      std::ranges::minmax(mesh.points, {}, [](const Vec3& x) { return x[0]; });
+  std::mt19937_64 random(17);
+  for (Vec3& x : mesh.points) {
+    const bool is_end = x[0] == first[0] || x[0] == last[0];
+    for (std::size_t a = is_end ? 1 : 0; a < 3; ++a) x[a] += between(random, -most, most);
+  }
   return mesh;
 }
 

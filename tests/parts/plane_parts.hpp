@@ -40,6 +40,11 @@ std::vector<Level> local_levels(std::span<const Level> levels, const Vec3& low, 
 /// A box of which only the material between the level sets is kept: elements without any are left
 /// out, the others are parts or full.
 Mesh cut_box(const suture::BoxOptions& box, std::span<const Level> levels);
+/// The same of any mesh, in which level sets are linear in the tetrahedra of reference cubes.
+Mesh cut_mesh(Mesh mesh, std::span<const Level> levels);
+/// Moves all points at random by up to `most` along each axis, at an end of the x axis in its
+/// plane.
+Mesh warped(Mesh mesh, double most);
 /// The volume of the material of a mesh of boxes, m^3.
 double volume(const Mesh& mesh);
 

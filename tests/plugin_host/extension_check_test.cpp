@@ -54,7 +54,8 @@ struct Offer {
     if (asked == SUTURE_TANGENT_1) return &present->tangent;
     if (asked == SUTURE_TANGENT_SINGLE_1) return &present->single;
     if (asked == SUTURE_INSPECT_1) return &present->inspect;
-    if (asked == SUTURE_PARTS_1) return &present->parts;
+    const bool is_general = present->functors[0].shape == SUTURE_GENERAL;
+    if (asked == (is_general ? SUTURE_PARTS_2 : SUTURE_PARTS_1)) return &present->parts;
     return asked == SUTURE_OUTPUT_1 ? &present->output : nullptr;
   }
   static const void* of_second(const char* id) {
@@ -149,6 +150,12 @@ const ExtensionCase cases[] = {
      FIRST "'suture.parts/1': reserved is not 0"},
     {"PartsOfElementsAreMissing", [](Offer& o) { o.functors[0].dimension = 3; },
      FIRST "'suture.parts/1': its functor is NULL, which a functor on elements may not have"},
+    {"PartsOfGeneralElementsAreMissing",
+     [](Offer& o) {
+       o.functors[0].dimension = 3;
+       o.functors[0].shape = SUTURE_GENERAL;
+     },
+     FIRST "'suture.parts/2': its functor is NULL, which a functor on elements may not have"},
     {"PartsOnEdges",
      [](Offer& o) {
        o.on_parts = o.functors[0];

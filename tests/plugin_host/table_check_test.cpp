@@ -292,6 +292,12 @@ const TableCase attribute_cases[] = {
     {"CapacityWithoutField", [](Tables& t) { t.attributes[0].flags = SUTURE_CAPACITY; },
      MODEL ", attribute 'mass': has SUTURE_CAPACITY, but no field (SUTURE_FIELD) stands before it "
            "that has none yet"},
+    {"RelaxationWithoutField", [](Tables& t) { t.attributes[0].flags = SUTURE_RELAXATION; },
+     MODEL
+     ", attribute 'mass': has SUTURE_RELAXATION, but no field (SUTURE_FIELD) stands before it "
+     "that has none yet"},
+    {"RisingAlone", [](Tables& t) { t.attributes[0].flags |= SUTURE_RISING; },
+     MODEL ", attribute 'mass': has SUTURE_RISING without SUTURE_FIELD"},
     {"CapacityOfEdges",
      [](Tables& t) {
        t.attributes[0] = {sizeof(suture_attribute),

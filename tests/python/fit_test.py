@@ -393,7 +393,7 @@ class Program(InFolder):
     def test_the_field_of_the_documentation(self):
         self.study()
         study = json.loads(Path("block-fit.json").read_text())
-        study["stop"] = {"evaluations": 40}
+        study["stop"] = {"evaluations": 15}
         Path("study.json").write_text(json.dumps({**study, "folder": "out"}))
         done = self.suture("fit", "study.json")
         self.assertIn(done.returncode, (0, 5), done.stderr)
@@ -422,7 +422,7 @@ class Program(InFolder):
         self.assertLessEqual(len(history), 6)
 
     def test_control_c_and_on(self):
-        self.study(folder="out", set={"/mesh/box/cells": [40, 10, 10]})
+        self.study(folder="out", set={"/mesh/box/cells": [24, 6, 6]})
         self.stop_when(Path("out/fit-state.json").exists, "fit", "study.json")
 
     def test_mistakes_of_the_file(self):

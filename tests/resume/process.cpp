@@ -101,8 +101,10 @@ Ran run_here(const Case& what, const fs::path& folder, const fs::path& out, cons
 
 // ------------------------------------------------------------------ program --
 
-Child::Child(const fs::path& folder, const std::vector<std::string>& arguments) {
-  std::vector<std::string> words{SUTURE_PROGRAM};
+Child::Child(const fs::path& folder, const std::vector<std::string>& arguments,
+             const std::vector<std::string>& launcher) {
+  std::vector<std::string> words = launcher;
+  words.emplace_back(SUTURE_PROGRAM);
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -112,19 +114,21 @@ Child::Child(const fs::path& folder, const std::vector<std::string>& arguments) 
   if (chdir(folder.c_str()) != 0) _exit(126);
   for (const auto& [name, to] : {std::pair{".out", 1}, std::pair{".err", 2}})
     dup2(open(name, O_CREAT | O_WRONLY | O_TRUNC, 0644), to);
-  execv(argv[0], argv.data());
+  execvp(argv[0], argv.data());
   _exit(127);
 }
 
 void Child::send(int signal, double after) const {
   using Clock = std::chrono::steady_clock;
   const auto until = Clock::now() + std::chrono::duration<double>(after);
-  siginfo_t ended{};
-  while (Clock::now() < until && ended.si_pid == 0) {
-    usleep(200);
-    waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT);
-  }
+  while (Clock::now() < until && !has_ended()) usleep(200);
   kill(pid_, signal);
+}
+
+bool Child::has_ended() const {
+  siginfo_t ended{};
+  waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT);
+  return ended.si_pid != 0;
 }
 
 int Child::wait() const {

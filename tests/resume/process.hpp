@@ -37,10 +37,13 @@ struct Ran {
 Ran run_here(const Case& what, const std::filesystem::path& folder,
              const std::filesystem::path& out, const Way& way);
 
-/// The program in a folder; standard output and error go to .out and .err there.
+/// The program in a folder, which the words of a launcher may start; standard output and error go
+/// to .out and .err there.
 class Child {
  public:
-  Child(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+  Child(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+        const std::vector<std::string>& launcher = {});
+  bool has_ended() const;
   /// After some seconds, unless it has ended before.
   void send(int signal, double after) const;
   int wait() const;  ///< exit code, or 128 + the signal that ended it

@@ -6,9 +6,12 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/vec3.hpp"
 #include "kernel/build/built_scene.hpp"
+#include "kernel/geometry/centroid.hpp"
 #include "kernel/scene/scene_error.hpp"
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/run/beam.hpp"
@@ -217,6 +220,63 @@ TEST(GivenMesh, RunsLikeTheSameBoxOfAScene) {
   } catch (const SceneError& error) {
     ASSERT_EQ(error.mistakes().size(), 1u);
     EXPECT_EQ(error.mistakes()[0].path, "/mesh/box");
+  }
+}
+
+/// The existing element whose centroid is nearest to a point now.
+Index nearest_now(Simulation& simulation, const Vec3& point) {
+  const double* rows = simulation.attributes().position().rows();
+  Index nearest = none;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index e = 0; e < simulation.complex().element_count(); ++e) {
+    if (!simulation.complex().exists(3, e)) continue;
+    const double distance =
+        norm(minus(centroid(simulation.complex().vertices_of(e), rows, 4), point));
+    if (distance < least) least = distance, nearest = e;
+  }
+  return nearest;
+}
+
+class PlacesInARun : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Of, PlacesInARun,
+                         testing::Values("symplectic-euler", "velocity-verlet", "implicit-euler",
+                                         "xpbd"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
+// A soft bar falls by many elements. Between two removals there are steps, cuts and jumps.
+TEST_P(PlacesInARun, AreThoseOfTheElementsNow) {
+  Scene scene = beam(tree_plugins(), "mss-baudet", 40, 8, 50, {{"E", 2e4}});
+  scene.solver.integrator = GetParam();
+  scene.solver.dt = 1e-3;
+  scene.solver.end = 1;
+  Diagnostics diagnostics;
+  Simulation simulation(scene, tree_plugins(), diagnostics);
+  Watcher watcher;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (int round = 0; round < 12; ++round) {
+    simulation.run_to(simulation.time() + 0.01, watcher);
+    if (round == 5)
+      simulation.change_motion([](Attributes& attributes) {
+        Column& x = attributes.position();
+        for (Index v = 0; v < x.size(); ++v) x.set(v, 1, x.get(v, 1) * (1 + x.get(v, 0)));
+      });
+    const Vec3 point{share(random), 0.25 * share(random) - 0.3 * round * round / 144,
+                     0.25 * share(random)};
+    const Index expected = nearest_now(simulation, point);
+    Event pierce;
+    pierce.what = Pierce{};
+    std::get<Pierce>(pierce.what).where = Selection{Selection::Nearest{point}, "/pierce"};
+    EXPECT_THAT(simulation.apply(pierce, watcher).removed, ElementsAre(expected));
+    Event cut;
+    cut.what = CutPlane{point, {1, 0.2, 0}, 0.05};
+    simulation.apply(cut, watcher);
+    const Index next = nearest_now(simulation, point);
+    EXPECT_THAT(simulation.apply(pierce, watcher).removed, ElementsAre(next));
   }
 }
 

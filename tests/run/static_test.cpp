@@ -329,7 +329,7 @@ TEST(Static, InertiaReliefLetsAFreePieceRelaxWhereItIs) {
   Counted observer;
   simulation.run_to(0.5, observer);
   Attributes& attributes = simulation.attributes();
-  const std::vector<Index> pieces = pieces_of(simulation.complex(), attributes.vertex_count());
+  const std::vector<Index> pieces = pieces_of(simulation.complex(), attributes);
   std::vector<Index> free;
   for (Index v = 0; v < attributes.vertex_count(); ++v)
     if (attributes.rest().get(pieces[v] == pieces[0] ? 0 : v, 0) > 0) free.push_back(v);

@@ -70,12 +70,11 @@ double* gather_vertex_columns(const Job& job, const Worker& worker, const C& cel
   return out;
 }
 
-/// Columns of the cells are read in place if the batch is a block from its beginning on;
-/// behind the last row of a table they repeat it. Those of vertices lie in rows.
+/// Columns of the cells are read in place if the batch is a whole block: elsewhere the lanes that
+/// are left over would read rows of another shape. Those of vertices lie in rows.
 inline bool in_place(const Job& job, const BatchRows& rows) {
-  if (job.node_count == 1) return false;
-  if (rows.row[0] % lanes != 0 || (job.live && rows.valid != lanes)) return false;
-  return rows.row[rows.valid - 1] - rows.row[0] + 1 == rows.valid;
+  return job.node_count != 1 && rows.valid == lanes && rows.row[0] % lanes == 0 &&
+         rows.row[lanes - 1] - rows.row[0] == lanes - 1;
 }
 
 /// Where a component of a row is.

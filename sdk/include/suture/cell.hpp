@@ -178,14 +178,14 @@ class cell {
                   "rest() is not declared: add SUTURE_READ_REST to the functor's `reads`");
     return vector<real>(batch_->rest, node);
   }
-  /// Current position of a node, m. Declared by default.
-  SUTURE_INLINE vec3<T> position(int node) const {
+  /// Current position of a node, m. Declared by default. In rate() it is not differentiated.
+  SUTURE_INLINE auto position(int node) const {
     static_assert(reads<SUTURE_READ_POSITION>,
                   "position() is not declared: add SUTURE_READ_POSITION to the functor's `reads`");
     return moving(batch_->position, dx_, node);
   }
-  /// Velocity of a node, m/s. Zero if enabled() has cleared it.
-  SUTURE_INLINE vec3<T> velocity(int node) const {
+  /// Velocity of a node, m/s. Zero if enabled() has cleared it. In rate() as position().
+  SUTURE_INLINE auto velocity(int node) const {
     static_assert(reads<SUTURE_READ_VELOCITY>,
                   "velocity() is not declared: add SUTURE_READ_VELOCITY to the functor's `reads`");
     return moving(batch_->velocity, dv_, node);
@@ -222,11 +222,16 @@ class cell {
     static_assert(detail::has_rate_of<Functor>,
                   "field() is the field that the functor changes: declare `static constexpr auto "
                   "rate_of = ...`; read other fields by vertex_column()");
-    const real value = vertex_value<Functor::rate_of.place>(node, 0);
-    if constexpr (is_dual<T>)
-      return T(value, load<real>(dx_ + node * 3 * stride + lane_));
-    else
-      return value;
+    return field_value(vertex_value<Functor::rate_of.place>(node, 0), dx_, node);
+  }
+  /// In rate(): its change over the step, per second. Its vertex_columns name the attribute that
+  /// rate_of_field() declares.
+  SUTURE_INLINE T field_rate(int node) const {
+    constexpr std::uint32_t place = detail::field_rate_place<Model>(Functor::vertex_columns.places);
+    static_assert(place != UINT32_MAX,
+                  "field_rate() is not declared: name the attribute of rate_of_field() in the "
+                  "functor's `vertex_columns`");
+    return field_value(vertex_value<place>(node, 0), dv_, node);
   }
   /// Writes the trial copy of a column declared with trial(): the next state of a
   /// material with memory. column() keeps the accepted state until the kernel accepts
@@ -398,10 +403,18 @@ class cell {
     p += node * 3 * stride + lane_;
     return {load<R>(p), load<R>(p + stride), load<R>(p + 2 * stride)};
   }
-  SUTURE_INLINE vec3<T> moving(const element* p, const element* direction, int node) const {
-    if constexpr (is_dual<T>) {
+  SUTURE_INLINE T field_value(const real& value, const element* direction, int node) const {
+    if constexpr (is_dual<T>)
+      return T(value, load<real>(direction + node * 3 * stride + lane_));
+    else
+      return value;
+  }
+  SUTURE_INLINE auto moving(const element* p, const element* direction, int node) const {
+    if constexpr (detail::has_rate_of<Functor>) {
+      return vector<real>(p, node);
+    } else if constexpr (is_dual<T>) {
       const vec3<real> x = vector<real>(p, node), d = vector<real>(direction, node);
-      return {T(x[0], d[0]), T(x[1], d[1]), T(x[2], d[2])};
+      return vec3<T>{T(x[0], d[0]), T(x[1], d[1]), T(x[2], d[2])};
     } else {
       return vector<T>(p, node);
     }

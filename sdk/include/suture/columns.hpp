@@ -31,6 +31,8 @@ inline constexpr column<UINT32_MAX> vertex_mass{};
 /// The moments of the part of an element that is material (parts.h), for the cell_columns of
 /// functors on parts.
 inline constexpr column<SUTURE_PART_COLUMN> element_part{};
+/// The same for functors on parts of general hexahedra.
+inline constexpr column<SUTURE_GENERAL_PART_COLUMN> element_general_part{};
 
 /// Several columns: those that a functor declares, or some from which one is chosen at run
 /// time.

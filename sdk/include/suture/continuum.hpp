@@ -56,6 +56,13 @@
 //   vertex_fields[]              suture::vertex_field(name, unit, doc); energy(F, p, at) and
 //                                stress(F, p, at) find the values in at.field[i], and
 //                                differentiate at constant fields
+// and may change one field, which then is the only one; the element is trilinear:
+//   release(F, p, at) -> released<T>  source and flow of the field by its value at.field, its
+//                                gradient and its rate (field_point). F is not differentiated
+//   field_energy(p, at) -> T     optional: the field's own energy density, J/m^3, if release()
+//                                is - d(energy() + field_energy()) by the field
+// Behind the field, `vertex_fields` may declare lumped_capacity(), lumped_relaxation()
+// (diffusion.hpp) and rate_of_field().
 //
 // A model may also have
 //   static constexpr suture::element_type default_element
@@ -76,6 +83,7 @@
 #define SUTURE_CONTINUUM_HPP
 
 #include "suture/detail/mean_gradient_functors.hpp"
+#include "suture/detail/release.hpp"
 #include "suture/kinematics.hpp"
 #include "suture/mass.hpp"
 
@@ -330,6 +338,31 @@ struct functor_in_single<stored_hexahedra<M>> {
   using type = general_hexahedra<M>;
 };
 
+/// Those of which only a part is material: their geometry is not stored.
+template <class M>
+struct hexahedron_parts : continuum_functor<M, hexahedron_parts<M>> {
+  static constexpr const char* name = "parts of general hexahedra";
+  static constexpr std::uint32_t shape = SUTURE_GENERAL;
+  static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+  static constexpr auto cell_columns = joined(state_columns<M, 8>, columns(element_general_part));
+
+  template <int Q, class Cell, class Work>
+  static SUTURE_INLINE void with_geometry(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    vec3<R> X[8];
+    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    work(general_part_geometry<R, Q>(X, read_general_part(c)));
+  }
+};
+template <class M>
+struct functor_on_parts<general_hexahedra<M>> {
+  using type = hexahedron_parts<M>;
+};
+template <class M>
+struct functor_on_parts<stored_hexahedra<M>> {
+  using type = hexahedron_parts<M>;
+};
+
 // Every Gauss point contributes to the force on every node.
 template <class M>
 inline constexpr int nodes_to_check<parallelepipeds<M>> = 1;
@@ -339,16 +372,25 @@ template <class M>
 inline constexpr int nodes_to_check<stored_hexahedra<M>> = 1;
 template <class M>
 inline constexpr int nodes_to_check<general_hexahedra<M>> = 1;
+template <class M>
+inline constexpr int nodes_to_check<hexahedron_parts<M>> = 1;
 
 /// Only points() and stores() may choose hexahedra whose geometry is not stored. A class of its
 /// own: it is needed where M, which derives from continuum<M>, is complete.
 template <class M>
-struct functors_of_law
-    : std::conditional_t<has_points<M> || has_stores<M>,
-                         list<parallelepipeds<M>, stored_hexahedra<M>, general_hexahedra<M>,
-                              mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>,
-                         list<parallelepipeds<M>, stored_hexahedra<M>,
-                              mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>> {};
+constexpr auto choose_functors() {
+  using trilinear = list<parallelepipeds<M>, stored_hexahedra<M>>;
+  using mean_gradient = list<mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>;
+  if constexpr (has_release<M>)
+    return joined(trilinear(),
+                  list<release_in_parallelepipeds<M>, release_in_general_hexahedra<M>>());
+  else if constexpr (has_points<M> || has_stores<M>)
+    return joined(joined(trilinear(), list<general_hexahedra<M>>()), mean_gradient());
+  else
+    return joined(trilinear(), mean_gradient());
+}
+template <class M>
+struct functors_of_law : decltype(choose_functors<M>()) {};
 
 }  // namespace detail
 

@@ -137,6 +137,8 @@ struct attribute : suture_attribute {
   constexpr attribute trial() const { return flag(SUTURE_TRIAL); }
   /// Users need not know it: `suture describe` does not list it.
   constexpr attribute internal() const { return flag(SUTURE_INTERNAL); }
+  /// Of a field: it never falls in a step, such as a damage that does not heal.
+  constexpr attribute rising() const { return flag(SUTURE_RISING); }
   constexpr attribute flag(std::uint32_t bits) const {
     attribute a = *this;
     a.flags |= bits;
@@ -182,6 +184,12 @@ constexpr attribute volume_attribute(const char* name, const char* unit, const c
 /// it where they declare it, a functor changes it by its rate().
 constexpr attribute vertex_field(const char* name, const char* unit, const char* doc) {
   return vertex_attribute(name, unit, doc).copy().flag(SUTURE_FIELD);
+}
+
+/// The change of the field declared last before it over an implicit step, per second: for rates
+/// that depend on it.
+constexpr attribute rate_of_field(const char* name, const char* unit, const char* doc) {
+  return vertex_attribute(name, unit, doc).copy().internal().flag(SUTURE_FIELD_RATE);
 }
 
 /// Receives the results of a contribution: `set(k, component, value)`, k as in plugin.h.
@@ -276,6 +284,10 @@ struct results {
 
 template <class... Functors>
 struct list {};
+template <class... A, class... B>
+constexpr list<A..., B...> joined(list<A...>, list<B...>) {
+  return {};
+}
 
 namespace detail {
 template <class A, class B>

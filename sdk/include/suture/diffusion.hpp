@@ -144,6 +144,49 @@ SUTURE_INLINE void diffusion_rates_of_part(const vec3<R> (&X)[8], const T (&u)[8
   }
 }
 
+/// The same in a general hexahedron of which only a part is material (general_part_geometry): what
+/// is added to the gradient at all points is sum_n u_n D_n,
+///   D_n = sum_k (s_kn - sum_a s_an c_ka) E^-T d_k / 8 (parts.h).
+template <class T, class R, class K>
+SUTURE_INLINE void diffusion_rates_of_part(const vec3<R> (&X)[8], const T (&u)[8], const K& k,
+                                           const general_part<R>& part, T (&r)[8]) {
+  const nodal_modes<R> sums = modes_of(X);  // 8 times the coefficients
+  const mat3<R> inverse_e = inverse(sums.edge);
+  vec3<R> D[8];
+  for (vec3<R>& of_node : D) of_node = {R(0.0), R(0.0), R(0.0)};
+  for (int h = 0; h < 4; ++h) {
+    const vec3<R> c = inverse_e * sums.hourglass[h], d = transpose(inverse_e) * part.more[h];
+    for (int n = 0; n < 8; ++n) {
+      const double x = n & 1 ? 1 : -1, y = n & 2 ? 1 : -1, z = n & 4 ? 1 : -1;
+      const double sign[4] = {y * z, z * x, x * y, x * y * z};
+      D[n] += d * (R(sign[h]) - (c[0] * x + c[1] * y + c[2] * z));
+    }
+  }
+  vec3<T> more{T(0.0), T(0.0), T(0.0)}, flow = more;
+  for (int n = 0; n < 8; ++n)
+    for (int c = 0; c < 3; ++c) more[c] += D[n][c] * u[n];
+  const axis_values<R, 2> rest = gradients<2>(X);
+  detail::scalar_gradients<T> g(u), s;
+  for (T(&axis)[4] : s.along)
+    for (T& value : axis) value = T(0.0);
+  for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
+    const mat3<R> J = rest.at(i, j, q), cof = cofactor(J);
+    const R volume = dot(J.column[0], cof.column[0]);
+    const R weight = common_weight<2> * reciprocal(volume);
+    vec3<T> gradient = more * volume;  // times det J
+    for (int d = 0; d < 3; ++d)
+      for (int c = 0; c < 3; ++c) gradient[c] += g.at(d, i, j, q) * cof(c, d);
+    flow += gradient * (k * common_weight<2>);
+    for (int d = 0; d < 3; ++d)
+      for (int c = 0; c < 3; ++c) s.at(d, i, j, q) += (k * weight) * (gradient[c] * cof(c, d));
+  });
+  s.scatter(r);
+  for (int n = 0; n < 8; ++n) {
+    for (int c = 0; c < 3; ++c) r[n] -= D[n][c] * flow[c];
+    r[n] = part.fraction * r[n];
+  }
+}
+
 namespace detail {
 /// Sets the rates of a cell: rates(X, u, r) writes r[n] for the rest positions X and the field u.
 template <class Cell, class Rates>
@@ -172,24 +215,41 @@ SUTURE_INLINE void diffuse(const Cell& c, const K& k) {
   });
 }
 
-/// The same of a cell of which only a part is material, whose functor reads `element_part`.
+/// The same of a cell of which only a part is material, whose functor reads `element_part`, or
+/// `element_general_part` for general hexahedra.
 template <class Cell, class K>
 SUTURE_INLINE void diffuse_in_part(const Cell& c, const K& k) {
   detail::set_rates(c, [&](const auto& X, const auto& u, auto& r) SUTURE_DETAIL_INLINED {
-    diffusion_rates_of_part(X, u, k, detail::read_part(c), r);
+    if constexpr (Cell::shape == SUTURE_PARALLELEPIPED)
+      diffusion_rates_of_part(X, u, k, detail::read_part(c), r);
+    else
+      diffusion_rates_of_part(X, u, k, detail::read_general_part(c), r);
   });
 }
 
 namespace detail {
+/// An eighth of the volume, times density(parameters).
+template <class Cell, class Out, class Density>
+void share_equally(const Cell& c, const Out& out, const Density& density) {
+  vec3<typename Cell::real> X[8];
+  for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+  const auto share = volume(X) * (0.125 * density(c.parameters()));
+  for (int n = 0; n < 8; ++n) out.set(n, 0, share);
+}
 template <class M>
 struct capacity_share {
   static constexpr int components = 1;
   template <class Cell, class Out>
   static void compute(const Cell& c, const Out& out) {
-    vec3<typename Cell::real> X[8];
-    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
-    const auto share = volume(X) * (0.125 * M::capacity(c.parameters()));
-    for (int n = 0; n < 8; ++n) out.set(n, 0, share);
+    share_equally(c, out, [](const auto& p) { return M::capacity(p); });
+  }
+};
+template <class M>
+struct relaxation_share {
+  static constexpr int components = 1;
+  template <class Cell, class Out>
+  static void compute(const Cell& c, const Out& out) {
+    share_equally(c, out, [](const auto& p) { return M::relaxation(p); });
   }
 };
 }  // namespace detail
@@ -201,6 +261,17 @@ constexpr attribute lumped_capacity(const char* name, const char* unit, const ch
   return vertex_attribute(name, unit, doc)
       .from_volumes(contribution<M, detail::capacity_share<M>>)
       .flag(SUTURE_CAPACITY);
+}
+
+/// What the deformation takes up per unit of that field, likewise from M::relaxation(p): implicit
+/// steps, which solve for motion and field in turns, need it where both depend strongly on each
+/// other (SUTURE_RELAXATION).
+template <class M>
+constexpr attribute lumped_relaxation(const char* name, const char* unit, const char* doc) {
+  return vertex_attribute(name, unit, doc)
+      .from_volumes(contribution<M, detail::relaxation_share<M>>)
+      .internal()
+      .flag(SUTURE_RELAXATION);
 }
 
 }  // namespace suture

@@ -184,6 +184,49 @@ struct part_moments {
   vec3<R> first, second;
 };
 
+/// The part of a general hexahedron (parts.h): `more` holds d_1 ... d_4.
+template <class R>
+struct general_part {
+  R fraction;
+  vec3<R> more[4];
+};
+
+/// The hourglasses of one component of a field, as slopes of its gradients in [0,1]^3 between the
+/// outer Gauss points. They are 8 p times the coefficients of yz, zx and xy in [-1,1]^3, and 8 p^2
+/// times that of xyz, where p is the place of the highest point.
+template <class T, int Q>
+struct gradient_slopes {
+  T yz, zx, xy, xyz;
+
+  static constexpr double p = 1 - 2 * gauss<Q>::first;
+  /// Places of the outer Gauss points: first the higher other axis, then the lower.
+  enum { low_low = 0, low_high = Q - 1, high_low = Q * (Q - 1), high_high = Q * Q - 1 };
+
+  SUTURE_INLINE gradient_slopes() = default;
+  SUTURE_INLINE gradient_slopes(const axis_values<T, Q>& g, int component) {
+    const T* const x = g.along[0][component];
+    const T* const y = g.along[1][component];
+    const T low = x[low_high] - x[low_low], high = x[high_high] - x[high_low];
+    xy = high + low;
+    xyz = high - low;
+    zx = (x[high_high] + x[high_low]) - (x[low_high] + x[low_low]);
+    yz = (y[high_high] + y[high_low]) - (y[low_high] + y[low_low]);
+  }
+  /// The transpose.
+  SUTURE_INLINE void add_to(axis_values<T, Q>& s, int component) const {
+    T* const x = s.along[0][component];
+    T* const y = s.along[1][component];
+    x[low_low] += (xyz - xy) - zx;
+    x[low_high] += (xy - xyz) - zx;
+    x[high_low] += zx - (xy + xyz);
+    x[high_high] += zx + (xy + xyz);
+    y[low_low] -= yz;
+    y[low_high] -= yz;
+    y[high_low] += yz;
+    y[high_high] += yz;
+  }
+};
+
 /// A parallelepiped of which only a part is material. The usual points keep their places, with the
 /// weights times the fraction. To the gradients at all of them it adds the difference between the
 /// mean of the part and that of the cube, so that the mean gradient is that of the part: the
@@ -195,9 +238,9 @@ template <class Geometry, class R, int Q>
 struct part_geometry : Geometry {
   SUTURE_INLINE part_geometry(const mat3<R>& inverse, const part_moments<R>& part)
       : Geometry(inverse, part.fraction) {
-    constexpr double point = 1 - 2 * gauss<Q>::first;  // the highest, in [-1,1]
-    first_ = part.first * R(0.25 / point);
-    second_ = part.second * R(0.25 / (point * point));
+    constexpr double p = gradient_slopes<R, Q>::p;
+    first_ = part.first * R(0.25 / p);
+    second_ = part.second * R(0.25 / (p * p));
   }
 
   template <class T>
@@ -215,15 +258,10 @@ struct part_geometry : Geometry {
   template <class T>
   SUTURE_INLINE void shift(axis_values<T, Q>& g) const {
     for (int c = 0; c < 3; ++c) {
-      const T* const x = g.along[0][c];
-      const T* const y = g.along[1][c];
-      const T low = x[low_high] - x[low_low], high = x[high_high] - x[high_low];
-      const T xy = high + low, xyz = high - low;
-      const T xz = (x[high_high] + x[high_low]) - (x[low_high] + x[low_low]);
-      const T yz = (y[high_high] + y[high_low]) - (y[low_high] + y[low_low]);
-      const T shift[3] = {first_[1] * xy + first_[2] * xz + second_[0] * xyz,
-                          first_[0] * xy + first_[2] * yz + second_[1] * xyz,
-                          first_[0] * xz + first_[1] * yz + second_[2] * xyz};
+      const gradient_slopes<T, Q> h(g, c);
+      const T shift[3] = {first_[1] * h.xy + first_[2] * h.zx + second_[0] * h.xyz,
+                          first_[0] * h.xy + first_[2] * h.yz + second_[1] * h.xyz,
+                          first_[0] * h.zx + first_[1] * h.yz + second_[2] * h.xyz};
       for (int d = 0; d < 3; ++d)
         for (int p = 0; p < Q * Q; ++p) g.along[d][c][p] += shift[d];
     }
@@ -237,27 +275,115 @@ struct part_geometry : Geometry {
         sum[d] = s.along[d][c][0];
         for (int p = 1; p < Q * Q; ++p) sum[d] += s.along[d][c][p];
       }
-      const T xy = first_[1] * sum[0] + first_[0] * sum[1];
-      const T xz = first_[2] * sum[0] + first_[0] * sum[2];
-      const T yz = first_[2] * sum[1] + first_[1] * sum[2];
-      const T xyz = second_[0] * sum[0] + second_[1] * sum[1] + second_[2] * sum[2];
-      T* const x = s.along[0][c];
-      T* const y = s.along[1][c];
-      x[low_low] += (xyz - xy) - xz;
-      x[low_high] += (xy - xyz) - xz;
-      x[high_low] += xz - (xy + xyz);
-      x[high_high] += xz + (xy + xyz);
-      y[low_low] -= yz;
-      y[low_high] -= yz;
-      y[high_low] += yz;
-      y[high_high] += yz;
+      gradient_slopes<T, Q> h;
+      h.xy = first_[1] * sum[0] + first_[0] * sum[1];
+      h.zx = first_[2] * sum[0] + first_[0] * sum[2];
+      h.yz = first_[2] * sum[1] + first_[1] * sum[2];
+      h.xyz = second_[0] * sum[0] + second_[1] * sum[1] + second_[2] * sum[2];
+      h.add_to(s, c);
     }
   }
 
  private:
-  /// Places of the outer Gauss points: first the higher other axis, then the lower.
-  enum { low_low = 0, low_high = Q - 1, high_low = Q * (Q - 1), high_high = Q * Q - 1 };
   vec3<R> first_, second_;
+};
+
+/// Any hexahedron of which only a part is material, by the same rule: with the coefficients A of
+/// the edges and H_k of the hourglasses of a field in [-1,1]^3, what is added to its gradients is
+///   D = sum_k (H_k - A c_k) (x) E^-T d_k,   E and c_k = E^-1 H_k of the rest positions (parts.h).
+/// In local coordinates that is D J, which varies from point to point as J does.
+template <class R, int Q>
+struct general_part_geometry : general_geometry<R, Q> {
+  using whole = general_geometry<R, Q>;
+  SUTURE_INLINE general_part_geometry(const vec3<R> (&X)[8], const general_part<R>& part)
+      : whole(X), fraction_(part.fraction) {
+    mat3<R> E;
+    vec3<R> H[4];
+    for (int c = 0; c < 3; ++c) {
+      const modes<R> rest(this->rest, c);
+      for (int i = 0; i < 3; ++i) E(c, i) = rest.of[i];
+      for (int k = 0; k < 4; ++k) H[k][c] = rest.of[3 + k];
+    }
+    const mat3<R> inverse_e = inverse(E);
+    for (int i = 0; i < 3; ++i) rows_[i] = {R(0.0), R(0.0), R(0.0)};
+    for (int k = 0; k < 4; ++k) {
+      const vec3<R> c = inverse_e * H[k];
+      rows_[3 + k] = transpose(inverse_e) * part.more[k];
+      for (int i = 0; i < 3; ++i) rows_[i] -= rows_[3 + k] * c[i];
+    }
+  }
+
+  struct at_point : whole::at_point {
+    R fraction;
+    SUTURE_INLINE R measure() const { return fraction * this->jacobian; }
+  };
+  SUTURE_INLINE at_point point(int i, int j, int k) const {
+    return {whole::point(i, j, k), fraction_};
+  }
+  template <class T>
+  SUTURE_INLINE void start(axis_values<T, Q>& g) const {
+    for (int c = 0; c < 3; ++c) {
+      const modes<T> now(g, c);
+      T D[3] = {T(0.0), T(0.0), T(0.0)};
+      for (int i = 0; i < 7; ++i)
+        for (int m = 0; m < 3; ++m) D[m] += rows_[i][m] * now.of[i];
+      for (int d = 0; d < 3; ++d)
+        for (int m = 0; m < 3; ++m)
+          for (int p = 0; p < Q * Q; ++p) g.along[d][c][p] += D[m] * this->rest.along[d][m][p];
+    }
+  }
+  template <class T>
+  SUTURE_INLINE void finish(axis_values<T, Q>& s) const {
+    for (int d = 0; d < 3; ++d) s.scale_axis(d, fraction_ * common_weight<Q>);
+    for (int c = 0; c < 3; ++c) {
+      T D[3] = {T(0.0), T(0.0), T(0.0)};
+      for (int d = 0; d < 3; ++d)
+        for (int m = 0; m < 3; ++m)
+          for (int p = 0; p < Q * Q; ++p) D[m] += s.along[d][c][p] * this->rest.along[d][m][p];
+      modes<T> pull;
+      for (int i = 0; i < 7; ++i)
+        pull.of[i] = rows_[i][0] * D[0] + rows_[i][1] * D[1] + rows_[i][2] * D[2];
+      pull.add_to(s, c);
+    }
+  }
+
+ private:
+  /// The coefficients of one component of a field: x, y, z, yz, zx, xy, xyz.
+  template <class T>
+  struct modes {
+    using slopes = gradient_slopes<T, Q>;
+    static constexpr double edge = 1.0 / 8, slope = 1 / (8 * slopes::p), twist = slope / slopes::p;
+    static constexpr int corners[4] = {slopes::low_low, slopes::low_high, slopes::high_low,
+                                       slopes::high_high};
+    T of[7];
+
+    SUTURE_INLINE modes() = default;
+    SUTURE_INLINE modes(const axis_values<T, Q>& g, int c) {
+      for (int d = 0; d < 3; ++d) {
+        of[d] = T(0.0);
+        for (const int p : corners) of[d] += edge * g.along[d][c][p];
+      }
+      const slopes h(g, c);
+      of[3] = slope * h.yz;
+      of[4] = slope * h.zx;
+      of[5] = slope * h.xy;
+      of[6] = twist * h.xyz;
+    }
+    /// The transpose.
+    SUTURE_INLINE void add_to(axis_values<T, Q>& s, int c) const {
+      for (int d = 0; d < 3; ++d)
+        for (const int p : corners) s.along[d][c][p] += edge * of[d];
+      slopes h;
+      h.yz = slope * of[3];
+      h.zx = slope * of[4];
+      h.xy = slope * of[5];
+      h.xyz = twist * of[6];
+      h.add_to(s, c);
+    }
+  };
+
+  vec3<R> rows_[7];  ///< by which D consists of the modes of each component
+  R fraction_;
 };
 
 }  // namespace suture

@@ -242,9 +242,9 @@ struct parallelepiped_rest {
   hourglass_stiffness<R, false> stiffness;
 
   /// `edges` holds the edge sums E.
-  template <class Moduli>
+  template <class Moduli, class Share>
   SUTURE_INLINE parallelepiped_rest(const mat3<R>& edges, const mat3<R>& inverse_edges, const R& v,
-                                    const Moduli& m, double share)
+                                    const Moduli& m, const Share& share)
       : inverse(inverse_edges),
         volume(v),
         metric(squares(edges)),
@@ -290,8 +290,9 @@ template <class R>
 struct hexahedron_rest : parallelepiped_rest<R> {
   vec3<R> gamma[4], beta[3];
 
-  template <class Moduli>
-  static SUTURE_INLINE hexahedron_rest of(const vec3<R> (&X)[8], const Moduli& m, double share) {
+  template <class Moduli, class Share>
+  static SUTURE_INLINE hexahedron_rest of(const vec3<R> (&X)[8], const Moduli& m,
+                                          const Share& share) {
     const nodal_modes<R> rest = modes_of(X);
     const mat3<R> cof = cofactor(rest.edge);
     const R d = dot(rest.edge.column[0], cof.column[0]);
@@ -325,10 +326,10 @@ struct hexahedron_rest : parallelepiped_rest<R> {
   }
 
  private:
-  template <class Moduli>
+  template <class Moduli, class Share>
   SUTURE_INLINE hexahedron_rest(const mat3<R>& edges, const mat3<R>& inverse_edges,
                                 const R& centre_volume, const vec3<R> (&g)[4], const Moduli& m,
-                                double share)
+                                const Share& share)
       : parallelepiped_rest<R>(edges, inverse_edges, centre_volume * ratio(g), m, share),
         gamma{g[0], g[1], g[2], g[3]} {
     const R third = (1.0 / 3) * reciprocal(ratio(g));
@@ -344,34 +345,6 @@ struct hexahedron_rest : parallelepiped_rest<R> {
     R sum(0.0);
     for (int i = 0; i < 3; ++i) sum += cross(g[(i + 1) % 3], g[(i + 2) % 3])[i];
     return 1.0 - sum * (1.0 / 3);
-  }
-};
-
-/// A parallelepiped of which only a part is material (`part_moments` of hexahedron.hpp). Its edges
-/// are those whose gradient is the mean over the part,
-///   A_x + first_y h_xy + first_z h_xz + second_yz h_xyz,
-/// and likewise for y and z. The law and the hourglass energy see them alone, so that nothing
-/// depends on how the rest of the element is deformed.
-template <class Rest, class R>
-struct part_rest : Rest {
-  vec3<R> first, second;
-
-  template <class T>
-  SUTURE_INLINE void separate(nodal_modes<T>& now) const {
-    const vec3<T>(&h)[4] = now.hourglass;
-    for (int i = 0; i < 3; ++i) {
-      const int a = (i + 1) % 3, b = (i + 2) % 3;
-      now.edge.column[i] += h[b] * first[a] + h[a] * first[b] + h[3] * second[i];
-    }
-  }
-  template <class T>
-  SUTURE_INLINE void unite(nodal_modes<T>& pull) const {
-    const vec3<T>(&e)[3] = pull.edge.column;
-    for (int i = 0; i < 3; ++i) {
-      const int a = (i + 1) % 3, b = (i + 2) % 3;
-      pull.hourglass[i] += e[b] * first[a] + e[a] * first[b];
-    }
-    pull.hourglass[3] += e[0] * second[0] + e[1] * second[1] + e[2] * second[2];
   }
 };
 

@@ -139,14 +139,24 @@ enum suture_attribute_flag {
   SUTURE_INTERNAL = 1u << 5,        /* of no interest to users: not listed, and a scene
                                        cannot set it */
   /* Hosts older than the next two refuse the model by name. */
-  SUTURE_FIELD = 1u << 6,   /* an unknown on vertices, such as a temperature, which the host
-                               integrates: dimension 0, 1 component, policy COPY. One column for
-                               all models of a body with a field of this name; where vertices
-                               merge, the mean weighs by capacity */
-  SUTURE_CAPACITY = 1u << 7 /* of the field that is declared last before it: what a vertex
-                               takes up per unit of the field, such as J/K; the contributions
-                               of all models are summed. Dimension 0, 1 component,
-                               FROM_VOLUMES, not negative */
+  SUTURE_FIELD = 1u << 6,      /* an unknown on vertices, such as a temperature, which the host
+                                  integrates: dimension 0, 1 component, policy COPY. One column for
+                                  all models of a body with a field of this name; where vertices
+                                  merge, the mean weighs by capacity */
+  SUTURE_CAPACITY = 1u << 7,   /* of the field that is declared last before it: what a vertex
+                                 takes up per unit of the field, such as J/K; the contributions
+                                 of all models are summed. Dimension 0, 1 component,
+                                 FROM_VOLUMES, not negative */
+  SUTURE_RISING = 1u << 8,     /* with SUTURE_FIELD: the value of a vertex never falls in a step */
+  SUTURE_RELAXATION = 1u << 9, /* of the field that is declared last before it, otherwise as
+                               SUTURE_CAPACITY: about what the deformation takes up per unit of
+                               the field. Implicit steps solve for motion and field in turns, and
+                               each turn adds this times the change since the turn before, per
+                               second */
+  SUTURE_FIELD_RATE = 1u << 10 /* of the field that is declared last before it: its change over
+                               the implicit step in progress, per second. Written by the host;
+                               dimension 0, 1 component, policy COPY. Only the functors that
+                               change the field read it, and then explicit steps are refused */
 };
 
 /* The types of cells for which functors and contributions are written. */
@@ -323,8 +333,8 @@ typedef struct suture_functor {
   /* 0: `force` computes forces. Otherwise 1 + the index of an attribute with SUTURE_FIELD:
    * `force` computes what flows into each node per second (unit of capacity x field / s), in
    * component 0 of batch->force; components 1 and 2 are 0. Such a functor has no trial
-   * columns, and offers suture.tangent/1, symmetric, where dx is a change of the field, laid
-   * out likewise, and dv is 0. */
+   * columns, and offers suture.tangent/1, symmetric, where dx is a change of the field and dv
+   * one of its rate (SUTURE_FIELD_RATE), laid out likewise. */
   uint32_t field;
   uint32_t reserved_2; /* 0 */
 } suture_functor;
@@ -392,7 +402,9 @@ typedef const suture_plugin* (*suture_plugin_fn)(void);
  * that of the functor's force; batch->force is NULL. All [worker]. */
 
 /* Stored energy of each cell, J. Forces without a potential (viscosity) are left
- * out. */
+ * out. Of a functor that changes a field: the energy of field and deformation together, of which
+ * its rates are the negative derivative by the field, and the forces of the model those by
+ * positions. */
 #define SUTURE_ENERGY_1 "suture.energy/1"
 typedef struct suture_energy_1 {
   uint32_t size;

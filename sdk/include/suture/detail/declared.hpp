@@ -62,7 +62,8 @@ inline constexpr bool is_rate_of<F, Place, std::enable_if_t<F::rate_of.place == 
 // names_energy<F> is true if F has any member called energy. Looking up the name in a struct that
 // inherits one from each of two bases is ambiguous, whatever its signature.
 struct optional_functions {
-  int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores, evolve;
+  int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores, evolve,
+      release, field_energy;
 };
 struct nothing {};
 template <class F>  // a final struct cannot be derived from and is not examined
@@ -91,6 +92,8 @@ SUTURE_DETAIL_NAMES(isotropic)
 SUTURE_DETAIL_NAMES(points)
 SUTURE_DETAIL_NAMES(stores)
 SUTURE_DETAIL_NAMES(evolve)
+SUTURE_DETAIL_NAMES(release)
+SUTURE_DETAIL_NAMES(field_energy)
 #undef SUTURE_DETAIL_NAMES
 
 template <class M>
@@ -208,6 +211,7 @@ constexpr bool has_attribute(std::uint32_t place) {
 template <class M, std::uint32_t Place>
 constexpr int components_of() {
   if (Place == element_part.place) return int(SUTURE_PART_COMPONENTS);
+  if (Place == element_general_part.place) return int(SUTURE_GENERAL_PART_COMPONENTS);
   return int(attribute_at<M>(Place).components);
 }
 template <class M, std::uint32_t Place>
@@ -220,7 +224,8 @@ constexpr bool has_trial() {
 template <class M, std::size_t N>
 constexpr bool are_places_of(const std::array<std::uint32_t, N>& places) {
   for (const std::uint32_t place : places)
-    if (place != vertex_mass.place && place != element_part.place && !has_attribute<M>(place))
+    if (place != vertex_mass.place && place != element_part.place &&
+        place != element_general_part.place && !has_attribute<M>(place))
       return false;
   return true;
 }
@@ -235,6 +240,14 @@ constexpr bool share_mass(const std::array<std::uint32_t, N>& places) {
   for (const std::uint32_t place : places)
     if ((attribute_at<M>(place).flags & SUTURE_SHARED_MASS) != 0) return true;
   return false;
+}
+
+/// The place of the rate of the field among the columns of a functor; UINT32_MAX: none.
+template <class M, std::size_t N>
+constexpr std::uint32_t field_rate_place(const std::array<std::uint32_t, N>& places) {
+  for (const std::uint32_t place : places)
+    if ((attribute_at<M>(place).flags & SUTURE_FIELD_RATE) != 0) return place;
+  return UINT32_MAX;
 }
 
 // Indices of nodes, components and parameters are run-time values, so that loops can count

@@ -65,8 +65,7 @@ constexpr void check_rate() {
     static_assert(has_rate<F, cell<native, M, F, purpose::force>>,
                   "a functor with `rate_of` needs `template <class Cell> static void rate(Cell& "
                   "cell)`, which sets the rate of every node");
-    static_assert(!names_energy<F> && !names_bounds<F>,
-                  "a functor with `rate_of` has no energy() and no bounds()");
+    static_assert(!names_bounds<F>, "a functor with `rate_of` has no bounds()");
   }
 }
 

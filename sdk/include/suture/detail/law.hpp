@@ -53,6 +53,21 @@ SUTURE_DETAIL_LAW(energy, has_energy_density)
 SUTURE_DETAIL_LAW(evolve, has_evolve)
 #undef SUTURE_DETAIL_LAW
 template <class M, class = void>
+inline constexpr bool has_release = false;
+template <class M>
+inline constexpr bool
+    has_release<M, std::void_t<decltype(M::release(
+                       std::declval<const mat3<native>&>(), std::declval<const material_of<M>&>(),
+                       std::declval<const field_point<native>&>()))>> = true;
+
+template <class M, class = void>
+inline constexpr bool has_field_energy = false;
+template <class M>
+inline constexpr bool has_field_energy<
+    M, std::void_t<decltype(M::field_energy(std::declval<const material_of<M>&>(),
+                                            std::declval<const field_point<native>&>()))>> = true;
+
+template <class M, class = void>
 inline constexpr bool has_points = false;
 template <class M>
 inline constexpr bool has_points<M, std::void_t<decltype(&M::points)>> = true;
@@ -84,7 +99,7 @@ constexpr element_type default_element_of() {
   if constexpr (has_default_element<M>)
     return M::default_element;
   else
-    return element_type::mean_gradient;
+    return has_release<M> ? element_type::trilinear : element_type::mean_gradient;
 }
 
 /// The parameter "element" follows those that the model declares.
@@ -187,6 +202,13 @@ SUTURE_INLINE part_moments<typename Cell::real> read_part(const Cell& c) {
   const auto moment = [&](int i) SUTURE_DETAIL_INLINED { return c.column(element_part, i); };
   return {moment(0), {moment(1), moment(2), moment(3)}, {moment(4), moment(5), moment(6)}};
 }
+template <class Cell>
+SUTURE_INLINE general_part<typename Cell::real> read_general_part(const Cell& c) {
+  general_part<typename Cell::real> part;
+  part.fraction = c.column(element_general_part, 0);
+  for (int i = 0; i < 12; ++i) part.more[i / 3][i % 3] = c.column(element_general_part, i + 1);
+  return part;
+}
 
 /// P at Gauss point `point` of an element with `Points`; keeps the state.
 template <class M, int Points, class Cell, class T>
@@ -223,6 +245,13 @@ constexpr bool check_law() {
                 "stress() of this law is never called: declare it as `template <class T, class P> "
                 "static suture::mat3<T> stress(const suture::mat3<T>& F, const P& p)`, or with a "
                 "third parameter `const At& at`");
+  static_assert(!names_release<M> || has_release<M>,
+                "release() of this law is never called: declare it as `template <class F, class P, "
+                "class At> static auto release(const F&, const P& p, const At& at)`, which returns "
+                "suture::released");
+  static_assert(!names_field_energy<M> || (has_field_energy<M> && has_energy_density<M>),
+                "field_energy() of this law is never called: declare it as `template <class P, "
+                "class At> static auto field_energy(const P& p, const At& at)` beside energy()");
   static_assert(!names_isotropic<M> || is_isotropic<M>,
                 "isotropic() of this law is never called: declare it as `template <class P> static "
                 "suture::lame isotropic(const P& p)`");

@@ -6,6 +6,7 @@
 #define SUTURE_DETAIL_MEAN_GRADIENT_FUNCTORS_HPP
 
 #include "suture/detail/law_functor.hpp"
+#include "suture/mean_gradient_parts.hpp"
 
 namespace suture::detail {
 
@@ -13,6 +14,10 @@ namespace suture::detail {
 template <class M, class Material>
 void prepare_element(const setup& p, const Material& material, rest_moduli& moduli) {
   if (is_trilinear<M>(p)) return;
+  if constexpr (has_release<M>)
+    p.refuse("points-of-release",
+             "this law changes its field at the Gauss points of trilinear elements: remove "
+             "\"element\", or set it to \"trilinear\"");
   const lame constants = lame_at_rest<M>(material);
   if (!is_stable(constants))
     return p.refuse(
@@ -146,6 +151,30 @@ struct mean_gradient_hexahedra : mean_gradient_functor<M, mean_gradient_hexahedr
   }
 };
 
+/// Those of which only a part is material.
+template <class M>
+struct mean_gradient_hexahedron_parts
+    : mean_gradient_functor<M, mean_gradient_hexahedron_parts<M>> {
+  static constexpr const char* name = "parts of general hexahedra, mean gradient";
+  static constexpr std::uint32_t shape = SUTURE_GENERAL;
+  static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
+  static constexpr auto cell_columns = joined(state_columns<M, 1>, columns(element_general_part));
+
+  template <class Cell, class Work>
+  static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
+    using R = typename Cell::real;
+    vec3<R> X[8];
+    for (int n = 0; n < 8; ++n) X[n] = c.rest(n);
+    const general_part<R> part = read_general_part(c);
+    const R share = part.fraction * R(mean_gradient_hexahedron_parts::share);
+    work(hexahedron_part_rest<R>(hexahedron_rest<R>::of(X, c.added_constants(), share), part));
+  }
+};
+template <class M>
+struct functor_on_parts<mean_gradient_hexahedra<M>> {
+  using type = mean_gradient_hexahedron_parts<M>;
+};
+
 // The law contributes to the force on every node.
 template <class M>
 inline constexpr int nodes_to_check<mean_gradient_parallelepipeds<M>> = 1;
@@ -153,6 +182,8 @@ template <class M>
 inline constexpr int nodes_to_check<mean_gradient_parts<M>> = 1;
 template <class M>
 inline constexpr int nodes_to_check<mean_gradient_hexahedra<M>> = 1;
+template <class M>
+inline constexpr int nodes_to_check<mean_gradient_hexahedron_parts<M>> = 1;
 
 }  // namespace suture::detail
 

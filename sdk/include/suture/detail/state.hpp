@@ -32,6 +32,28 @@ struct instant<State, R, 0> {
   double time, dt;
 };
 
+/// What a law releases into its field, per rest volume and second, and the flow of the field
+/// through a rest area, per second: C du/dt = source - div flow.
+template <class T>
+struct released {
+  T source;
+  vec3<T> flow;
+};
+template <class T>
+released(T, vec3<T>) -> released<T>;
+
+/// What release() receives besides F and p, at a Gauss point.
+template <class T>
+struct field_point {
+  using R = real_of<T>;
+  T field;            ///< its value u
+  vec3<T> gradient;   ///< grad u in the shape at rest
+  T rate, mean_rate;  ///< du/dt in the step, and its mean over the element's points; 0 unless
+                      ///< vertex_fields declares a rate_of_field()
+  mat3<R> dF;         ///< dF/dt, likewise
+  double time, dt;    ///< as those of a cell
+};
+
 namespace detail {
 
 struct no_state {};
@@ -47,12 +69,20 @@ template <class M, class T>
 using state_of = typename state_of_model<M, T>::type;
 template <class M>
 inline constexpr bool has_state = !std::is_same_v<state_of<M, double>, no_state>;
+/// The attributes that `vertex_fields` declares; the fields come first.
 template <class M>
-constexpr std::size_t field_count() {
+constexpr std::size_t field_attribute_count() {
   if constexpr (has_vertex_fields<M>)
     return std::size(M::vertex_fields);
   else
     return 0;
+}
+template <class M>
+constexpr std::size_t field_count() {
+  std::size_t count = 0;
+  if constexpr (has_vertex_fields<M>)
+    for (const auto& a : M::vertex_fields) count += (a.flags & SUTURE_FIELD) != 0;
+  return count;
 }
 template <class M, class T>
 using instant_of = instant<state_of<M, T>, real_of<T>, field_count<M>()>;
@@ -93,7 +123,7 @@ constexpr attribute state_attribute() {
   a.name = name_of_state<M, I / 8, int(I % 8)>::text.data();
   return a;
 }
-/// An attribute per part and Gauss point, 8 for each part, then one per field.
+/// An attribute per part and Gauss point, 8 for each part, then those of fields.
 template <class M, std::size_t... I, std::size_t... Field>
 constexpr std::array<attribute, sizeof...(I) + sizeof...(Field)> attributes_of_law(
     std::index_sequence<I...>, std::index_sequence<Field...>) {
@@ -102,7 +132,7 @@ constexpr std::array<attribute, sizeof...(I) + sizeof...(Field)> attributes_of_l
 template <class M>
 constexpr auto attributes_of_law() {
   return attributes_of_law<M>(std::make_index_sequence<state_count<M>() * 8>(),
-                              std::make_index_sequence<field_count<M>()>());
+                              std::make_index_sequence<field_attribute_count<M>()>());
 }
 
 template <class M, std::size_t... Field>

@@ -79,7 +79,8 @@ const void* extension(const char* id) noexcept {
     if (is(SUTURE_INSPECT_1)) return &table;
   }
   if constexpr (offers_parts<F>)
-    if (is(SUTURE_PARTS_1)) return &parts_table<M, F>::row;
+    if (is(F::shape == SUTURE_GENERAL ? SUTURE_PARTS_2 : SUTURE_PARTS_1))
+      return &parts_table<M, F>::row;
   if constexpr (has_fields<F>) {
     static constexpr suture_output_1 table{sizeof(suture_output_1),
                                            std::uint32_t(std::size(F::fields)),
@@ -116,14 +117,14 @@ template <class M, class F>
 inline constexpr auto functor_columns = make_functor_columns<M, F>();
 
 /// The functions of F on elements of which only a part is material, if these are those of the whole
-/// element times the fraction: the moments are the last column.
+/// element times the fraction, which comes first in the last column.
 template <class M, class F>
 struct scaled_by_part {
   static constexpr auto make_columns() {
     std::array<std::uint32_t, functor_columns<M, F>.size() + 1> all{};
     std::size_t at = 0;
     for (const std::uint32_t place : functor_columns<M, F>) all[at++] = place;
-    all[at] = element_part.place;
+    all[at] = F::shape == SUTURE_GENERAL ? element_general_part.place : element_part.place;
     return all;
   }
   static constexpr auto columns = make_columns();

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/suture/processes.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <thread>
+
+namespace suture {
+namespace {
+
+std::unique_ptr<Communicator> joined;
+
+/// Errors that all meet arrive within one step of each other.
+constexpr std::chrono::seconds patience{5};
+
+std::string name_of_machine() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+}  // namespace
+
+Communicator* enter_processes(Console& console) {
+  if (!is_one_of_several()) return nullptr;
+  joined = join_processes();
+  if (joined->rank() != 0) console.mute();
+  console.note(std::to_string(joined->size()) + " processes make this run");
+  return joined.get();
+}
+
+unsigned threads_of_each(Communicator& processes) {
+  const std::vector<std::string> machines = processes.gather(name_of_machine());
+  const auto here = std::ranges::count(machines, machines[processes.rank()]);
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  return std::max(1u, cores / static_cast<unsigned>(here));
+}
+
+int leave_processes(int code, Console& console) {
+  if (!joined) return code;
+  if (code != 0 && !joined->all_end(patience)) {
+    console.speak_as("process " + std::to_string(joined->rank()) + " of " +
+                     std::to_string(joined->size()));
+    joined->abort(code);
+  }
+  joined.reset();
+  return code;
+}
+
+}  // namespace suture

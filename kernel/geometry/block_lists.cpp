@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/geometry/block_lists.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace suture {
+
+void BlockLists::find(const CellComplex& complex) {
+  lists_.assign((complex.element_count() + elements_ - 1) / elements_, {});
+  std::vector<Index> listed((complex.count(0) + vertices_ - 1) / vertices_, none);
+  const auto add_corners = [&](Index block, Index element) {
+    for (const Index v : complex.vertices_of(element))
+      if (std::exchange(listed[v / vertices_], block) != block)
+        lists_[block].push_back(v / vertices_);
+  };
+  for (Index e = 0; e < complex.element_count(); ++e) {
+    if (!complex.exists(3, e)) continue;
+    add_corners(e / elements_, e);
+    for (int f = 0; f < hexahedron::faces; ++f)
+      if (const Index n = complex.neighbour(e, f); n != none && n / elements_ != e / elements_)
+        add_corners(e / elements_, n);
+  }
+}
+
+void BlockLists::add_block(Index seer, Index block) {
+  std::vector<Index>& list = lists_[seer / elements_];
+  if (std::ranges::find(list, block) == list.end()) list.push_back(block);
+}
+
+void BlockLists::add(const CellComplex& complex, Index seer, Index seen) {
+  for (const Index v : complex.vertices_of(seen)) add_block(seer, v / vertices_);
+}
+
+/// New elements, and those that see them; new corners of elements.
+void BlockLists::follow(const CellComplex& complex, const TopologyChange& change) {
+  lists_.resize((complex.element_count() + elements_ - 1) / elements_);
+  const auto for_each_neighbour = [&](Index element, auto visit) {
+    for (int f = 0; f < hexahedron::faces; ++f)
+      if (const Index n = complex.neighbour(element, f); n != none) visit(n);
+  };
+  for (const Split& copy : change.copies) {
+    add(complex, copy.new_cell, copy.new_cell);
+    for_each_neighbour(copy.new_cell, [&](Index n) {
+      add(complex, copy.new_cell, n);
+      add(complex, n, copy.new_cell);
+    });
+  }
+  const Stars& stars = change.stars[0];
+  for (std::size_t i = 0; i < stars.size(); ++i)
+    for (const Dart dart : stars[i]) {
+      const Index e = dart / hexahedron::darts, block = stars.cells[i] / vertices_;
+      add_block(e, block);
+      for_each_neighbour(e, [&](Index n) { add_block(n, block); });
+    }
+}
+
+}  // namespace suture

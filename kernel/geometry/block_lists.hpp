@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "kernel/topology/cell_complex.hpp"
+
+namespace suture {
+
+/// By block of consecutive elements, the blocks of consecutive vertices in which the corners of its
+/// elements and of their neighbours are, each once.
+///
+/// Lists only grow with operations, which is sufficient: a cut or a removal takes neighbours away
+/// and gives elements new vertices.
+class BlockLists {
+ public:
+  BlockLists(Index elements_per_block, Index vertices_per_block)
+      : elements_(elements_per_block), vertices_(vertices_per_block) {}
+
+  /// O(elements).
+  void find(const CellComplex& complex);
+  /// Call after an operation with the resulting `complex`. O(change).
+  void follow(const CellComplex& complex, const TopologyChange& change);
+
+  std::vector<std::vector<Index>>& lists() { return lists_; }
+  const std::vector<std::vector<Index>>& lists() const { return lists_; }
+
+ private:
+  void add(const CellComplex& complex, Index seer, Index seen);
+  void add_block(Index seer, Index block);
+
+  Index elements_, vertices_;
+  std::vector<std::vector<Index>> lists_;
+};
+
+}  // namespace suture

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace suture {
+
+/// The processes that make one run together, and what they tell each other. Every function but the
+/// first two waits until all of them have called it.
+class Communicator {
+ public:
+  virtual ~Communicator() = default;
+
+  virtual unsigned rank() const = 0;  ///< 0 .. size() - 1; process 0 writes the results
+  virtual unsigned size() const = 0;
+
+  /// Writes the numbers of all processes to `all`, one after the other; process i gives counts[i].
+  virtual void gather(std::span<const double> mine, std::span<const int> counts, double* all) = 0;
+  /// The same where all[...] already has the numbers of this process in their place.
+  virtual void complete(double* all, std::span<const int> counts) = 0;
+  /// The texts of all processes.
+  virtual std::vector<std::string> gather(const std::string& mine) = 0;
+  /// Whether it is true on one of them.
+  virtual bool any(bool mine) = 0;
+  /// The same, at the end of a process: false if others do not arrive in time.
+  virtual bool all_end(std::chrono::milliseconds time) = 0;
+
+  /// Ends all processes at once.
+  [[noreturn]] virtual void abort(int code) = 0;
+};
+
+/// True if a launcher of MPI has started this process as one of several.
+bool is_one_of_several();
+/// Joins the processes that were started together, once per process. Loads libsuture-processes.so,
+/// and with it MPI. Throws InputError if this program was built without it.
+std::unique_ptr<Communicator> join_processes();
+
+}  // namespace suture

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/run/shared_run.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "kernel/base/checksum.hpp"
+#include "kernel/base/error.hpp"
+
+namespace suture {
+namespace {
+
+/// The checksum of a file; "" if it cannot be read.
+std::string sum_of_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return "";
+  Checksum sum;
+  sum.add(std::string(std::istreambuf_iterator<char>(file), {}));
+  return sum.text();
+}
+
+std::string sum_of(const std::string& text) {
+  Checksum sum;
+  sum.add(text);
+  return sum.text();
+}
+
+/// What the bits of a run depend on, a line for each: "what: which".
+std::string description_of(const CheckpointHeader& run) {
+  std::ostringstream lines;
+  lines << "program: " << run.program << " (" << sum_of_file("/proc/self/exe") << ")\n"
+        << "instruction set: " << run.isa << '\n'
+        << "scene: " << run.scene_hash << ' ' << sum_of(run.scene_text) << '\n'
+        << "mesh: " << run.mesh_hash << '\n';
+  for (const CheckpointHeader::Plugin& plugin : run.plugins)
+    lines << "plugin " << plugin.id << ": " << plugin.version << " (" << sum_of_file(plugin.file)
+          << ")\n";
+  return lines.str();
+}
+
+/// The first lines in which two descriptions differ.
+std::pair<std::string, std::string> difference(const std::string& a, const std::string& b) {
+  std::istringstream lines_a(a), lines_b(b);
+  std::string line_a, line_b;
+  do {
+    std::getline(lines_a, line_a);
+    std::getline(lines_b, line_b);
+  } while (line_a == line_b && lines_a && lines_b);
+  return {line_a, line_b};
+}
+
+}  // namespace
+
+void require_shareable(BuiltScene& built) {
+  const Scene& scene = built.scene();
+  const std::string& scheme = scene.solver.integrator;
+  if (built.dynamics().is_implicit() || scheme == "xpbd")
+    throw InputError("/solver/integrator: several processes share explicit steps only, and '" +
+                     scheme +
+                     "' is none; use \"symplectic-euler\" or \"velocity-verlet\", or one process");
+  if (scene.checkpoint.enabled && scene.checkpoint.minutes > 0)
+    throw InputError(
+        "/checkpoint/minutes: the clocks of several processes differ; give \"every\" (s of the "
+        "simulation) or \"every_steps\", or use one process");
+}
+
+void require_same_run(Communicator& processes, const CheckpointHeader& run) {
+  const std::vector<std::string> all = processes.gather(description_of(run));
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (all[i] == all[0]) continue;
+    const auto [first, other] = difference(all[0], all[i]);
+    throw InputError("the processes of this run differ: process 0 has " + first + ", process " +
+                     std::to_string(i) + " has " + other +
+                     "; start the same program with the same plugins on processors of one kind");
+  }
+}
+
+}  // namespace suture

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "kernel/build/built_scene.hpp"
+#include "kernel/output/checkpoint_file.hpp"
+#include "kernel/processes/communicator.hpp"
+
+namespace suture {
+
+/// Throws InputError, naming it, for what processes that make a run together cannot share.
+void require_shareable(BuiltScene& built);
+
+/// Throws InputError, naming both, unless all processes run the same program and plugins with the
+/// same instruction set on the same scene and mesh: otherwise their bits would differ.
+void require_same_run(Communicator& processes, const CheckpointHeader& run);
+
+}  // namespace suture

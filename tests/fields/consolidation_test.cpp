@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A porous solid against the closed forms of Terzaghi.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "tests/fields/field_scene.hpp"
+
+namespace suture::test {
+namespace {
+
+constexpr double quarter = std::numbers::pi / 2;  // of a wave
+constexpr double confined = 4e6;                  // lambda + 2 mu of column(), Pa
+
+std::string text_of(double x) {
+  std::ostringstream text;
+  text << x;
+  return text.str();
+}
+
+/// A column of 1 m of n elements that deforms along its axis alone; its top, x = 1, is drained.
+/// `mobility`, `storage`: of the model.
+Scene column(int n, double dt, double mobility, double storage, const std::string& more) {
+  return field_scene(
+      R"("mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [)" + std::to_string(n) +
+      R"(, 1, 1]}}, "models": [{"model": "porous", "parameters": {"mu": 1e6, "lambda": 2e6,
+      "rho": 1e-3, "k": )" +
+      text_of(mobility) + R"(, "S": )" + text_of(storage) +
+      R"(}}], "constraints": [{"fix": "x", "where": {"set": "x0"}}, {"fix": "yz", "where":
+      "all"}], "solver": {"integrator": "implicit-euler", "dt": )" +
+      text_of(dt) + R"(, "end": 10}, )" + more);
+}
+
+const std::string loaded = R"("loads": [{"traction": [-1000, 0, 0], "where": {"set": "x1"}}],
+    "fields": [{"field": "pressure", "fix": 0, "where": {"set": "x1"}}])";
+
+/// The pressure of a layer of 1 m under a load of 1, at the distance z from its drained top, at the
+/// time T = c t / H^2.
+double terzaghi(double z, double T) {
+  double sum = 0;
+  for (int m = 0; m < 200; ++m) {
+    const double w = (2 * m + 1) * quarter;
+    sum += 2 / w * std::sin(w * z) * std::exp(-w * w * T);
+  }
+  return sum;
+}
+
+TEST(Consolidation, FollowsTerzaghi) {
+  // c = k (lambda + 2 mu) = 0.4 m^2/s
+  FieldRun run(column(20, 2e-3, 1e-7, 0, loaded));
+  for (const double t : {0.1, 0.5}) {
+    run.run_to(t);
+    const double T = 0.4 * run.simulation.time();
+    EXPECT_LT(run.error([&](double x) { return 1000 * terzaghi(1 - x, T); }), 10) << t;
+    double settled = 1;
+    for (int m = 0; m < 200; ++m) {
+      const double w = (2 * m + 1) * quarter;
+      settled -= 2 / (w * w) * std::exp(-w * w * T);
+    }
+    Selection top;
+    top.what = Selection::Nearest{Vec3{1, 0, 0}};
+    EXPECT_NEAR(run.simulation.mean_displacement(top)[0], -1000 / confined * settled,
+                0.01 * 1000 / confined)
+        << t;
+  }
+}
+
+TEST(Consolidation, IsOfSecondOrderInTheSizeOfElements) {
+  // A pressure cos(pi x / 2) in a solid at rest: the solid takes up its part at once, and each step
+  // divides what is left by 1 + c (pi/2)^2 dt.
+  constexpr double storage = 2.5e-7, dt = 0.02;
+  const double c = 1e-7 / (storage + 1 / confined), decay = 1 + c * quarter * quarter * dt;
+  const auto error = [&](int n) {
+    FieldRun run(column(n, dt, 1e-7, storage, R"("fields": [{"field": "pressure", "fix": 0, "where":
+        {"set": "x1"}}])"));
+    for (Index v = 0; v < run.simulation.attributes().vertex_count(); ++v)
+      run.equation().set({&v, 1}, std::cos(quarter * run.simulation.attributes().rest().get(v, 0)));
+    run.run_to(0.2);
+    const double left = 0.5 * std::pow(decay, -std::round(run.simulation.time() / dt));
+    return run.error([&](double x) { return left * std::cos(quarter * x); });
+  };
+  const double coarse = error(4), fine = error(8);
+  EXPECT_LT(coarse, 0.02);
+  EXPECT_NEAR(std::log2(coarse / fine), 2, 0.15);
+}
+
+TEST(Consolidation, PressuresDoNotAlternateWhereNothingFlows) {
+  FieldRun run(column(20, 1e-3, 1e-15, 0, loaded));
+  run.run_to(0.002);
+  for (Index v = 0; v < run.simulation.attributes().vertex_count(); ++v) {
+    const double x = run.simulation.attributes().rest().get(v, 0);
+    EXPECT_NEAR(run.value(v), x < 0.99 ? 1000 : 0, 2) << x;
+  }
+}
+
+TEST(Consolidation, TheBalanceOfTheFluidCloses) {
+  FieldRun run(column(20, 1e-2, 1e-7, 1e-7, loaded));
+  run.run_to(0.5);
+  const FieldBalance balance = run.equation().balance();
+  EXPECT_LT(balance.inflow, 0);  // it flows out
+  EXPECT_NEAR(balance.content, balance.inflow + balance.produced, 1e-3 * std::abs(balance.inflow));
+}
+
+}  // namespace
+}  // namespace suture::test

@@ -1,0 +1,45 @@
+# Programs of tests, and what CTest knows of them.
+include(GoogleTest)
+
+# suture_add_test(NAME [TOGETHER] SOURCES ... LIBRARIES ...): one program, one CTest entry
+# per GoogleTest case. TOGETHER: no two files define the same name, so that presets that compile
+# several files at once may do so.
+function(suture_add_test name)
+  cmake_parse_arguments(ARG "TOGETHER" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE suture::kernel GTest::gtest_main GTest::gmock ${ARG_LIBRARIES})
+  if(NOT ARG_TOGETHER)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  endif()
+  # What a test loads at run time is there when it runs.
+  add_dependencies(${name} suture_modules suture_plugins)
+  suture_register_test(${name})
+endfunction()
+
+# suture_add_plugin_test(NAME FOLDER FILE...): the same without the kernel: a test loads plugins of
+# FOLDER itself.
+function(suture_add_plugin_test name folder)
+  add_executable(${name} ${ARGN})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE suture::sdk GTest::gtest_main GTest::gmock ${CMAKE_DL_LIBS})
+  target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-psabi>)
+  target_compile_definitions(${name} PRIVATE SUTURE_PLUGIN_FOLDER="${folder}"
+    "INSTRUCTION_SETS=\"$<JOIN:${SUTURE_INSTRUCTION_SETS},+>\"")
+  suture_register_test(${name})
+endfunction()
+
+function(suture_register_test name)
+  # The kernel is what runs long and what sanitizers watch: optimised tests would take twice the
+  # time to build.
+  target_compile_options(${name} PRIVATE $<IF:$<BOOL:${SUTURE_SANITIZER}>,-O0,-O1>)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  # A sanitized program takes longer to start than most cases to run: four processes share its cases.
+  if(SUTURE_SANITIZER)
+    foreach(part RANGE 3)
+      add_test(NAME ${name}.${part} COMMAND ${PROJECT_SOURCE_DIR}/tests/sample.sh $<TARGET_FILE:${name}> ${part} 4)
+      set_tests_properties(${name}.${part} PROPERTIES TIMEOUT 7200)  # s, for --full
+    endforeach()
+    return()
+  endif()
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60)
+endfunction()

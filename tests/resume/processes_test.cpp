@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Several processes that make a run together leave the same bytes as one process, also when they
+// are stopped and others, of another number, go on.
+//   SUTURE_FULL=1              all kinds of scenes; otherwise as many as 30 seconds hold
+//   SUTURE_PROCESSES_SEED=N    these scenes; otherwise others in each run
+//   SUTURE_PROCESSES_CASE=NAME this one alone, "twist-017-0"
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <random>
+
+#include "tests/mesh/temporary_folder.hpp"
+#include "tests/resume/process.hpp"
+
+namespace suture::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+/// Also for root, and for more processes than cores.
+std::vector<std::string> launcher(unsigned processes) {
+  return {SUTURE_LAUNCHER, "--allow-run-as-root", "--oversubscribe", "-n",
+          std::to_string(processes)};
+}
+
+class Together : public ::testing::Test {
+ protected:
+  /// Runs the case in a folder of its own; returns the exit code.
+  int run(const Case& what, const std::vector<std::string>& words, unsigned processes,
+          const fs::path& at) {
+    fs::create_directories(at);
+    std::vector<std::string> arguments{"run"};
+    arguments.insert(arguments.end(), words.begin(), words.end());
+    if (!what.skips) arguments.push_back("--no-skip");
+    return Child(at, arguments, launcher(processes)).wait();
+  }
+
+  std::string said(const fs::path& at) const { return read_text(at / ".err"); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Together, TheyLeaveTheBytesOfOne) {
+  const std::string given = variable("SUTURE_PROCESSES_SEED"),
+                    only = variable("SUTURE_PROCESSES_CASE");
+  const std::uint64_t seed = given.empty() ? std::random_device()() : std::stoull(given);
+  const bool full = !variable("SUTURE_FULL").empty() || !only.empty();
+  std::vector<Kind> kinds = all_kinds();
+  std::mt19937_64 order(seed);
+  if (!full) std::ranges::shuffle(kinds, order);
+  const auto start = std::chrono::steady_clock::now();
+  unsigned shared = 0, refused = 0;
+  for (unsigned index = 0; index < (full ? 3u : 1u); ++index)
+    for (const Kind& kind : kinds) {
+      const auto spent = std::chrono::steady_clock::now() - start;
+      if (!full && shared > 0 && spent > std::chrono::seconds(30)) break;
+      Random random(seed, kind.name, index);
+      const Case what = kind.make(random, index, seed);
+      if (!only.empty() && what.name != only) continue;
+      SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(seed));
+      const fs::path at = folder_ / what.name;
+      write_case(what, at);
+      const Ran alone = run_here(what, at, at / "alone", {});
+      const bool is_long = alone.seconds > 2 || alone.steps > 2000;
+      if (alone.code == 3 || alone.code == 4 || (is_long && !full)) continue;
+      const std::string scene = (at / "scene.json").string();
+      for (const unsigned processes :
+           full ? std::vector<unsigned>{1, 2, 3, 4, 7}
+                : std::vector<unsigned>{random.pick(std::vector<unsigned>{2, 3, 4, 7})}) {
+        const fs::path out = at / std::to_string(processes);
+        const int code = run(what, {scene}, processes, out);
+        if (code == 3 && said(out).find("several processes") != std::string::npos) {
+          ++refused;
+          break;
+        }
+        ++shared;
+        EXPECT_EQ(code, alone.code) << said(out);
+        EXPECT_EQ(difference(at / "alone", out / "out"), "") << processes << " processes";
+      }
+      fs::remove_all(at);
+    }
+  std::cout << shared << " runs shared, " << refused << " scenes refused\n";
+}
+
+/// The beam of the tutorial, cut while it sags.
+Case cut_beam() {
+  for (const Kind& kind : all_kinds()) {
+    Random random(1, kind.name, 0);
+    if (kind.name == "scene_cut-beam") return kind.make(random, 0, 1);
+  }
+  throw std::logic_error("no scene cut-beam");
+}
+
+TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
+  Case what = cut_beam();
+  what.scene["solver"]["end"] = 0.5;
+  what.scene["checkpoint"] = {{"every_steps", 50}, {"keep", 3}};
+  const fs::path at = folder_ / "case";
+  write_case(what, at);
+  run_here(what, at, at / "alone", {});
+  const std::string scene = (at / "scene.json").string();
+  const fs::path there = at / "shared", out = there / "out";
+  fs::create_directories(there);
+  Child first(there, {"run", scene}, launcher(3));
+  while (newest_checkpoint(out).empty() && !first.has_ended()) usleep(1000);
+  first.send(SIGKILL, 0.05);
+  first.wait();
+  for (const unsigned processes : {2u, 4u}) {
+    const fs::path newest = newest_checkpoint(out);
+    ASSERT_NE(newest, "");
+    // The processes whose launcher was killed may still have to notice.
+    int code = 6;
+    for (int i = 0; i < 30 && code == 6; ++i) {
+      if (i > 0) sleep(1);
+      code = run(what, {"--resume", "out/" + newest.filename().string()}, processes, there);
+    }
+    EXPECT_EQ(code, 0) << said(there);
+    EXPECT_EQ(difference(at / "alone", out), "") << processes << " processes";
+  }
+}
+
+TEST_F(Together, WhatTheyCannotShareIsNamed) {
+  Case what = cut_beam();
+  const fs::path at = folder_ / "case";
+  what.scene["solver"] = {{"integrator", "implicit-euler"}, {"dt", 0.01}, {"end", 1}};
+  write_case(what, at);
+  const std::string scene = (at / "scene.json").string();
+  EXPECT_EQ(run(what, {scene}, 2, at / "implicit"), 3);
+  EXPECT_NE(said(at / "implicit").find("/solver/integrator: several processes"), std::string::npos)
+      << said(at / "implicit");
+}
+
+/// The words of process 1 differ from those of process 0; returns what both say.
+std::string said_by_two(const fs::path& folder, const std::string& first,
+                        const std::string& second) {
+  fs::create_directories(folder);
+  write_case(cut_beam(), folder);
+  std::vector<std::string> words = launcher(2);
+  words.insert(words.end(), {"bash", "-c",
+                             "if [ $OMPI_COMM_WORLD_RANK = 0 ]; then exec \"$0\" run " + first +
+                                 "; else exec \"$0\" run " + second + "; fi"});
+  EXPECT_NE(Child(folder, {}, words).wait(), 0);
+  return read_text(folder / ".err");
+}
+
+TEST_F(Together, AnErrorOfOneEndsAll) {
+  const std::string said = said_by_two(folder_ / "run", "scene.json", "missing.json");
+  EXPECT_NE(said.find("process 1 of 2: the scene 'missing.json' cannot"), said.npos) << said;
+}
+
+TEST_F(Together, RunsThatDifferAreRefused) {
+  const std::string said =
+      said_by_two(folder_ / "run", "scene.json", "scene.json --set /solver/damping=3");
+  EXPECT_NE(said.find("the processes of this run differ: process 0 has scene: "), said.npos)
+      << said;
+}
+
+}  // namespace
+}  // namespace suture::test

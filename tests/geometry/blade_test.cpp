@@ -69,7 +69,7 @@ TEST(SurfaceBlade, ClosedSurfacesSeparateInsideFromOutside) {
   std::vector<char> inside(block.complex.element_count());
   for (Index e = 0; e < inside.size(); ++e)
     inside[e] =
-        winding(ball, vec3(centroid_of(block.complex.vertices_of(e), block.places()))) > 0.5;
+        winding(ball, xyz(centroid_of(block.complex.vertices_of(e), block.places()))) > 0.5;
   std::vector<Dart> expected;
   for (Index e = 0; e < inside.size(); ++e)
     for (int f = 0; f < 6; ++f) {

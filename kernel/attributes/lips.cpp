@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/seam.hpp"
 
 namespace suture {
@@ -29,6 +30,15 @@ std::vector<Seam> faces_between(const CellComplex& complex, std::span<const Inde
       if (const Dart other = complex.beta3(side); other != none && is_in_b[element_of(other)])
         faces.push_back({side, other});
   std::ranges::sort(faces, {}, &Seam::one);
+  return faces;
+}
+
+std::vector<Dart> faces_to_open(const Attributes& attributes) {
+  std::vector<Dart> faces;
+  for (const auto& instance : attributes.instances())
+    for (const Seam& lips : instance->lips)
+      faces.push_back(std::min(lips.one, face_of(lips.other)));
+  sort_unique(faces);
   return faces;
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/attributes/attributes.hpp"
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/attributes/instance.hpp"
 #include "suture/lips.h"
@@ -26,6 +27,9 @@ inline int nodes_of(const suture_functor& functor) {
 /// element may be in both. O(elements).
 std::vector<Seam> faces_between(const CellComplex& complex, std::span<const Index> a,
                                 std::span<const Index> b);
+
+/// The faces of all instances that are to be opened at the start of a run, ascending and each once.
+std::vector<Dart> faces_to_open(const Attributes& attributes);
 
 /// The pair of lips whose first one is `face`; null if there is none, or if it is not open.
 /// O(log lips).

@@ -206,7 +206,10 @@ std::vector<Index> BuiltScene::add_lips(Instance& instance, const ModelUse& use)
     throw InputError(path + "needs a run without sleep; remove \"sleep\" in /solver");
   const std::vector<Index> a = selector_.elements((*use.between)[0]),
                            b = selector_.elements((*use.between)[1]);
-  if (const auto common = std::ranges::find_first_of(a, b); common != a.end())
+  std::vector<bool> is_in_b(body_.complex().element_count());
+  for (const Index e : b) is_in_b[e] = true;
+  const auto common = std::ranges::find_if(a, [&](Index e) { return is_in_b[e]; });
+  if (common != a.end())
     throw InputError(path + "element " + std::to_string(element_name(*common)) +
                      " is in both regions, which must have no element in common");
   instance.lips = faces_between(body_.complex(), a, b);
@@ -220,11 +223,7 @@ std::vector<Index> BuiltScene::add_lips(Instance& instance, const ModelUse& use)
 
 /// Everything that is there follows this cut, as it does one of an event.
 void BuiltScene::open_lips() {
-  std::vector<Dart> faces;
-  for (const auto& instance : body_.attributes().instances())
-    for (const Seam& lips : instance->lips)
-      faces.push_back(std::min(lips.one, face_of(lips.other)));
-  sort_unique(faces);
+  const std::vector<Dart> faces = faces_to_open(body_.attributes());
   if (!faces.empty()) body_.cut(faces);
 }
 

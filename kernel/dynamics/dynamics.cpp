@@ -17,6 +17,22 @@ namespace {
 constexpr double agreement = 1e-5;
 constexpr unsigned most_turns = 500;
 
+/// Rates that follow the motion of a step need (x' - x) / dt as its velocity, and a relaxation
+/// needs turns, which take its effect away.
+void require_turns(const VertexField& field, const DynamicsOptions& options) {
+  if (options.integrator == "static" || !(field.rate || field.relaxation)) return;
+  if (field.rate && options.integrator != "implicit-euler")
+    throw InputError("/solver/integrator: field '" + field.name +
+                     "' has rates that depend on its change and that of the shape over a step, "
+                     "which \"" +
+                     options.integrator +
+                     "\" does not give; choose \"implicit-euler\", or \"static\"");
+  if (options.solver.budget)
+    throw InputError("/solver/budget: field '" + field.name +
+                     "' is solved in turns with the motion, and steps on a budget have one turn; "
+                     "remove it");
+}
+
 }  // namespace
 
 Dynamics::Dynamics(Body& body, const DynamicsOptions& options)
@@ -29,6 +45,7 @@ Dynamics::Dynamics(Body& body, const DynamicsOptions& options)
                      "' needs the derivatives of all forces, and " + without +
                      " has none (suture.tangent/1); use an explicit integrator, or add the "
                      "extension to the model");
+  for (const FieldEquation& field : body.fields()) require_turns(field.field(), options);
   body.add_follower(*this);
 }
 
@@ -113,14 +130,19 @@ double Dynamics::advance_fields(double dt, double end) {
 /// Where fields feel the motion and it feels them, both are solved in turns until they agree: for a
 /// phase field alternate minimisation (Bourdin, Francfort, Marigo, J. Mech. Phys. Solids 48, 2000,
 /// 797), for a pressure the fixed-stress split (Kim, Tchelepi, Juanes, SPE Journal 16, 2011, 249).
-/// Steps on a budget have one turn.
+/// They agree, too, where the motion is in balance as it is: its tolerance refers to the loads, and
+/// a field may be small beside them. Steps on a budget have one turn.
 void Dynamics::take_turns(double dt, double end) {
   if (!is_solved() || !body().models().reads_fields() ||
       std::ranges::none_of(body().fields(), &FieldEquation::feels_motion))
     return;
+  const double* const x = body().attributes().position().rows();
+  const std::size_t size = std::size_t{body().attributes().vertex_count()} * 4;
   for (unsigned turn = 0; turn < most_turns; ++turn) {
     if (advance_fields(dt, end) <= agreement) return;
+    const std::vector<double> before(x, x + size);
     integrator_->repeat();
+    if (std::equal(before.begin(), before.end(), x)) return;
   }
   throw StepRejected("motion and fields do not agree after " + std::to_string(most_turns) +
                          " turns; reduce /solver/dt",

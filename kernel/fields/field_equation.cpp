@@ -87,10 +87,6 @@ void FieldEquation::start(double time, Steps steps) {
 
 /// A field that follows the motion needs none in implicit steps.
 void FieldEquation::require_capacities(Steps steps) const {
-  if (steps == Steps::explicit_ && field_.rate)
-    throw InputError("field '" + field_.name +
-                     "' has rates that depend on its change, which explicit steps do not know; "
-                     "choose an implicit integrator");
   if (steps == Steps::steady || (steps == Steps::implicit && feels_motion())) return;
   for (Index v = 0; v < attributes_.vertex_count(); ++v) {
     if (sums_[v] == 0 || capacity(v) > 0 || is_prescribed(v)) continue;
@@ -175,6 +171,9 @@ std::string FieldEquation::balance_text() {
   text << field_.name << ": content " << b.content << unit << "; since the start, " << b.inflow
        << unit << " came in, models produced " << b.produced << unit << ", and " << b.changed
        << unit << " are due to operations and jumps to equilibria";
+  if (has_energy())
+    text << "; field and deformation store " << b.energy << " J, and " << b.dissipated
+         << " J were dissipated";
   return text.str();
 }
 
@@ -185,7 +184,8 @@ std::string FieldEquation::unit_of_content() const {
   if (capacity.ends_with(per)) return capacity.substr(0, capacity.size() - per.size());
   if (const std::string whole = "/" + capacity; field_.unit.ends_with(whole))
     return field_.unit.substr(0, field_.unit.size() - whole.size());
-  return capacity.empty() ? field_.unit : capacity + ' ' + field_.unit;
+  if (capacity.empty()) return field_.unit;
+  return field_.unit == "1" ? capacity : capacity + ' ' + field_.unit;
 }
 
 // --------------------------------------------------------- operations, state --

@@ -20,7 +20,7 @@ class RowNodes {
  public:
   /// For all functors of the instance on the same cells as `functor`.
   RowNodes(const Instance& instance, const suture_functor& functor, const RestPlaces& rest);
-  /// O(cells in the change).
+  /// O(cells in the change); of lips O(n log n) for all n pairs.
   void update(const RestPlaces& rest, const TopologyChange& change);
   /// To be called after state() of the attributes.
   void state(Archive& archive);

@@ -29,9 +29,13 @@ std::vector<Variable> variables_of(const suture_model& model, const suture_funct
   return variables;
 }
 
-/// The deformation may feed the field of such a functor.
-bool reads_motion(const suture_functor& functor) {
-  return (functor.reads & (SUTURE_READ_POSITION | SUTURE_READ_VELOCITY)) != 0;
+/// Whether the deformation feeds the field: elements that are a little larger have other rates.
+/// Most functors read positions because that is the default.
+bool feels_motion(BatchCaller& caller, const CellBatch& batch, const Values& rates) {
+  CellBatch larger = batch;
+  for (Values* values : {&larger.position, &larger.velocity})
+    for (double& value : *values) value *= 1.015625;
+  return caller.force(larger).force != rates;
 }
 
 /// The sum of the rates of a cell over the largest; those on vertices are sources.
@@ -118,15 +122,16 @@ std::vector<double> contents(SampleBody& sample) {
   return contents;
 }
 
-/// Everywhere, unless the parameters leave none.
+/// Everywhere, unless the parameters leave none to a field that follows the motion.
 void require_capacities(SampleBody& sample) {
   const CellComplex& complex = sample.body().complex();
-  for (const VertexField& field : sample.body().attributes().fields()) {
+  for (const FieldEquation& equation : sample.body().fields()) {
+    const VertexField& field = equation.field();
     if (!field.capacity) continue;
     bool has_some = false, has_none = false;
     for (Index v = 0; v < field.capacity->size(); ++v)
       if (complex.exists(0, v)) (field.capacity->get(v, 0) > 0 ? has_some : has_none) = true;
-    if (has_some && has_none)
+    if (has_none && (has_some || !equation.feels_motion()))
       throw BrokenLaw("the capacity of a node for '" + field.name + "' is not positive");
   }
 }
@@ -202,8 +207,9 @@ Result rates(const BatchCase& of) {
   const CellBatch& batch = of.batch;
   if (batch.functor->field == 0) return {};
   BatchCaller caller(of.instance);
-  const bool has_source = batch.functor->dimension == 0 || reads_motion(*batch.functor);
-  Measured worst = has_source ? Measured{} : imbalance(batch, caller.force(batch).force);
+  const Values values = caller.force(batch).force;
+  const bool has_source = batch.functor->dimension == 0 || feels_motion(caller, batch, values);
+  Measured worst = has_source ? Measured{} : imbalance(batch, values);
   for (const Variable& by : variables_of(of.instance.model(), *batch.functor)) {
     // Beside a source by the motion, the rates of small changes are rounding.
     Measured found = tangent_error(caller, batch, by, 1e-4);

@@ -114,9 +114,7 @@ void SampleBody::add_model(const suture_model& model, std::vector<Index> element
 }
 
 void SampleBody::open_lips() {
-  std::vector<Dart> faces;
-  for (const auto& instance : body_.attributes().instances())
-    for (const Seam& lips : instance->lips) faces.push_back(lips.one);
+  const std::vector<Dart> faces = faces_to_open(body_.attributes());
   if (!faces.empty()) body_.cut(faces);
 }
 

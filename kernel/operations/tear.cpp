@@ -37,10 +37,18 @@ double mean(double a, double b) {
   return std::isnan(b) ? a : (a + b) / 2;
 }
 
-/// Null if no field on vertices has this name.
-const double* vertex_values(const Attributes& attributes, const std::string& name) {
-  const auto field = std::ranges::find(attributes.fields(), name, &VertexField::name);
-  return field == attributes.fields().end() ? nullptr : field->values->rows();
+bool declares_field(const suture_model& model, const std::string& name) {
+  return std::ranges::any_of(
+      std::span(model.attributes, model.attribute_count),
+      [&](const suture_attribute& a) { return (a.flags & SUTURE_FIELD) != 0 && a.name == name; });
+}
+
+/// Null unless the model that is torn by declares the field on vertices.
+const double* vertex_values(const Attributes& attributes, const Tear& tear) {
+  for (const auto& instance : attributes.instances())
+    if (instance->name() == tear.model && declares_field(instance->model(), tear.field))
+      return std::ranges::find(attributes.fields(), tear.field, &VertexField::name)->values->rows();
+  return nullptr;
 }
 
 void add_face(const CellComplex& complex, Dart face, std::vector<Dart>& faces) {
@@ -293,7 +301,7 @@ std::vector<Dart> TearCheck::find(const Snapshot& snapshot) {
     faces = by_principal(snapshot, nullptr);
   } else if (tear_.by == Tear::By::elongation) {
     faces = by_edges(snapshot, nullptr);
-  } else if (const double* const u = vertex_values(snapshot.attributes, tear_.field)) {
+  } else if (const double* const u = vertex_values(snapshot.attributes, tear_)) {
     faces = by_vertices(snapshot, u);
   } else {
     const int dimension = field_dimension(snapshot);

@@ -118,16 +118,22 @@ void decide_functor(const ForceLoop::Summary& functor, std::vector<Decision>& li
     list.push_back({"velocities for " + subject, true, "it does not read velocities"});
 }
 
+std::string steps_of(const FieldEquation& field, const Dynamics& dynamics) {
+  if (!dynamics.is_implicit())
+    return "forward Euler after each step of the motion, in stable parts";
+  const bool takes_turns =
+      dynamics.is_solved() && field.feels_motion() && dynamics.body().models().reads_fields();
+  const std::string when = takes_turns
+                               ? ", in turns with the motion until both agree"
+                               : (dynamics.is_static() ? "" : " before each step of the motion");
+  return (dynamics.is_static() ? "its steady state at each equilibrium" : "backward Euler") + when;
+}
+
 void decide_functors(BuiltScene& built, std::vector<Decision>& list) {
   for (const ForceLoop::Summary& functor : built.body().models().summary())
     decide_functor(functor, list);
   for (const FieldEquation& field : built.body().fields()) {
-    const bool is_implicit = built.dynamics().is_implicit();
-    list.push_back({"field " + field.field().name, false,
-                    built.dynamics().is_static() ? "its steady state at each equilibrium"
-                    : is_implicit
-                        ? "backward Euler before each step of the motion"
-                        : "forward Euler after each step of the motion, in stable parts"});
+    list.push_back({"field " + field.field().name, false, steps_of(field, built.dynamics())});
     for (const ForceLoop::Summary& functor : field.rates().summary()) decide_functor(functor, list);
   }
   const unsigned threads = built.body().models().threads();

@@ -178,7 +178,7 @@ struct Cohesive : between_lips<Cohesive> {
       return;
     p.refuse("brittle",
              "the face stores more than its toughness before it softens: raise 'stiffness' above "
-             "strength^2 / (2 toughness)");
+             "strength^2 / (2 toughness) and shear_strength^2 / (2 shear_toughness)");
   }
 
   /// Turon et al.: the mode of the separation enters as B = (sliding / separation)^2.

@@ -3,16 +3,17 @@
 
 /// A neo-Hookean solid with a crack that is smeared over a length; equations in README.md.
 struct GradientDamage : suture::continuum<GradientDamage> {
-  static constexpr const char *id = "gradient-damage",
-                              *doc = "Solid that cracks: a phase field of brittle fracture",
-                              *formula =
-                                  "W = ((1 - d)^2 + r) W+ + W- + 3/8 Gc (d/l + l |grad d|^2), "
-                                  "W+ = mu/2 (J^(-2/3) I1 - 3) + U(max(J, 1)), W- = U(min(J, 1)), "
-                                  "U = K/2 ((J^2 - 1)/2 - ln J); d minimises W and never falls",
-                              *citation =
-                                  "K. Pham, H. Amor, J.-J. Marigo, C. Maurini, Int. J. Damage "
-                                  "Mechanics 20, 2011, 618-652; M. J. Borden et al., CMAME 312, "
-                                  "2016, 130-166";
+  static constexpr const char
+      *id = "gradient-damage",
+      *doc = "Solid that cracks: a phase field of brittle fracture",
+      *formula =
+          "W = (max(1 - d, 0)^2 + r) W+ + W- + 3/8 Gc (d/l + l |grad d|^2), "
+          "W+ = mu/2 (J^(-2/3) I1 - 3) + U(max(J, 1)), W- = U(min(J, 1)), "
+          "U = K/2 ((J^2 - 1)/2 - ln J); d minimises W and never falls",
+      *citation =
+          "K. Pham, H. Amor, J.-J. Marigo, C. Maurini, Int. J. Damage "
+          "Mechanics 20, 2011, 618-652; M. J. Borden et al., CMAME 312, "
+          "2016, 130-166";
   enum { mu, bulk, rho, toughness, length, viscosity, residual };
   static constexpr suture::parameter parameters[] = {
       suture::number("mu", "Pa", "Shear modulus of the intact solid").above(0),
@@ -45,9 +46,15 @@ struct GradientDamage : suture::continuum<GradientDamage> {
     return 0.5 * p[mu] * e.I1 + volumetric(max(e.J, T(0.0)), p);
   }
 
+  /// 0 beyond 1: neighbours may raise the damage of a node a little above it.
+  template <class D>
+  static SUTURE_INLINE D what_is_sound(const D& damage) {
+    return max(1.0 - damage, D(0.0));
+  }
+
   template <class T, class P, class At>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P& p, const At& at) {
-    const auto sound = 1.0 - at.field[0];
+    const auto sound = what_is_sound(at.field[0]);
     return (sound * sound + p[residual]) * tension(F, p) + volumetric(min(excess_J(F), T(0.0)), p);
   }
   template <class P, class At>
@@ -58,7 +65,7 @@ struct GradientDamage : suture::continuum<GradientDamage> {
   /// - dW/dd, and - dW/d(grad d) as a flow.
   template <class F, class P, class At>
   static auto release(const F& f, const P& p, const At& at) {
-    const auto driving = 2.0 * (1.0 - at.field) * tension(f, p);
+    const auto driving = 2.0 * what_is_sound(at.field) * tension(f, p);
     return suture::released{driving - 0.375 * p[toughness] / p[length],
                             at.gradient * (-0.75 * p[toughness] * p[length])};
   }

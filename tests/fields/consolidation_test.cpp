@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A porous solid against the closed forms of Terzaghi.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <sstream>
 
+#include "kernel/base/error.hpp"
 #include "tests/fields/field_scene.hpp"
 
 namespace suture::test {
@@ -94,6 +96,43 @@ TEST(Consolidation, PressuresDoNotAlternateWhereNothingFlows) {
     const double x = run.simulation.attributes().rest().get(v, 0);
     EXPECT_NEAR(run.value(v), x < 0.99 ? 1000 : 0, 2) << x;
   }
+}
+
+TEST(Consolidation, GoesOnUntilNothingIsLeft) {
+  // The slowest wave is left; each step divides it by 1 + c (pi/2)^2 dt, up to pressures that the
+  // tolerance of the motion does not see.
+  constexpr double dt = 0.05;
+  FieldRun run(column(10, dt, 1e-6, 0, loaded));
+  const double first = run.run_to(1).at(0), second = run.run_to(1.5).at(0);
+  EXPECT_LT(first, 1);
+  EXPECT_NEAR(std::log(first / second) / (10 * std::log(1 + 4 * quarter * quarter * dt)), 1, 0.02);
+  run.run_to(4);
+  EXPECT_LT(std::abs(run.at(0)), 1e-3);
+  Selection top;
+  top.what = Selection::Nearest{Vec3{1, 0, 0}};
+  EXPECT_NEAR(run.simulation.mean_displacement(top)[0] * confined / -1000, 1, 1e-3);
+}
+
+TEST(Consolidation, IsRefusedWithStepsThatDoNotGiveItsRate) {
+  const auto message = [](const auto& change) -> std::string {
+    Scene scene = column(2, 0.01, 1e-7, 0, loaded);
+    change(scene.solver);
+    try {
+      FieldRun run(scene);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const char* integrator : {"newmark", "velocity-verlet"})
+    EXPECT_THAT(message([&](auto& solver) { solver.integrator = integrator; }),
+                testing::AllOf(testing::HasSubstr("/solver/integrator: field 'pressure'"),
+                               testing::HasSubstr("choose \"implicit-euler\"")));
+  EXPECT_THAT(message([](auto& solver) {
+                solver.budget = StepBudget{50, 0};
+              }),
+              testing::HasSubstr("/solver/budget: field 'pressure' is solved in turns"));
+  EXPECT_EQ(message([](auto&) {}), "");
 }
 
 TEST(Consolidation, TheBalanceOfTheFluidCloses) {

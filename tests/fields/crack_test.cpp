@@ -92,6 +92,40 @@ TEST(Cracks, BecomeACut) {
   EXPECT_LT(std::abs(stress(run)), 1e-3 * strength);
 }
 
+TEST(Cracks, StayOpenBeyondADamageOfOne) {
+  const auto stress_at = [](const std::string& damage) {
+    FieldRun run(
+        field_scene(R"("mesh": {"box": {"size": [1, 0.1, 0.1], "cells": [2, 1, 1]}}, "models":
+        [{"model": "gradient-damage", "parameters": {"mu": 6e9, "K": 4e9, "rho": 1000, "Gc": 1e4,
+        "l": 0.1, "r": 1e-3}}], "constraints": [{"fix": "xyz", "where": {"set": "x0"}}, {"move":
+        {"translation": [1e-3, 0, 0]}, "ramp": 1, "where": {"set": "x1"}}], "fields": [{"field":
+        "damage", "where": "all", "fix": )" +
+                    damage + R"(}], "solver": {"static": {"frames": 1}})"));
+    return stress(run.run_to(1));
+  };
+  EXPECT_NEAR(stress_at("1") / (1e-3 * 1e-3 * young), 1, 0.01);
+  EXPECT_NEAR(stress_at("1.5") / stress_at("1"), 1, 1e-6);
+}
+
+TEST(Cracks, TearingByAModelReadsItsOwnField) {
+  // The springs of one half break long before the other half has any damage.
+  FieldRun run(
+      field_scene(R"("mesh": {"box": {"size": [1, 0.1, 0.1], "cells": [10, 1, 1]}}, "models": [
+      {"model": "tm-faure", "region": {"half_space": {"point": [0.5, 0, 0], "normal": [-1, 0, 0]}},
+       "parameters": {"E": 1e5, "nu": 0, "rho": 1000}},
+      {"model": "damage-springs", "region": {"half_space": {"point": [0.5, 0, 0], "normal":
+       [-1, 0, 0]}}, "parameters": {"E": 1e5, "rho": 1, "e0": 0.01, "e1": 0.1}},
+      {"model": "gradient-damage", "region": {"half_space": {"point": [0.5, 0, 0], "normal":
+       [1, 0, 0]}}, "parameters": {"mu": 6e9, "K": 4e9, "rho": 1000, "Gc": 1e4, "l": 0.1}}],
+      "constraints": [{"fix": "xyz", "where": {"set": "x0"}}, {"move": {"translation": [0.3, 0, 0]},
+      "ramp": 1, "where": {"set": "x1"}}], "events": [{"every": 1, "tear": {"by": {"model":
+      "damage-springs", "field": "damage"}, "above": 0.05, "most": 1}}], "solver": {"static":
+      {"frames": 20, "free_pieces": "hold"}})"));
+  run.run_to(0.5);
+  EXPECT_GT(run.simulation.built().body().islands().existing(), 1u);
+  EXPECT_LT(std::ranges::max(run.values()), 0.05);
+}
+
 TEST(Cracks, TheEnergyOfMotionAndDamageIsInTheBooks) {
   FieldRun run(
       pulled_bar(20, 10, 0.01, R"({"integrator": "symplectic-euler", "dt": 2.5e-6, "end": 0.01})"));

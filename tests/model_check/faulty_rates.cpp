@@ -45,6 +45,26 @@ struct Source : Field<Source> {
   }
 };
 
+// The same with the `reads` of a functor that says nothing, though it reads no position.
+struct ReadingSource : Field<ReadingSource> {
+  static constexpr const char* id = "rate-reading-source";
+  static constexpr auto reads = SUTURE_READ_POSITION;
+  template <class Cell>
+  static void rate(const Cell& c) {
+    Source::rate(c);
+  }
+};
+
+// Its nodes take up nothing, and it does not follow the motion.
+struct Empty : Field<Empty> {
+  static constexpr const char* id = "rate-empty";
+  static double capacity(const suture::values&) { return 0; }
+  template <class Cell>
+  static void rate(const Cell& c) {
+    suture::diffuse(c, 1.0);
+  }
+};
+
 // The derivative of a value that is taken out of the dual number is lost.
 struct Blind : Field<Blind> {
   static constexpr const char* id = "rate-blind";
@@ -103,5 +123,5 @@ struct OneWay : suture::continuum<OneWay> {
 
 }  // namespace
 
-SUTURE_PLUGIN("faulty-rates", "1.0", "MIT", "Fields with planted faults", Upwind, Source, Blind,
-              NoCapacity, OneWay)
+SUTURE_PLUGIN("faulty-rates", "1.0", "MIT", "Fields with planted faults", Upwind, Source,
+              ReadingSource, Blind, NoCapacity, Empty, OneWay)

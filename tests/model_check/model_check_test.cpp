@@ -74,7 +74,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"velocity-drag", "balance"}, Planted{"allocates", "allocations"},
                     Planted{"active-ignores-end", "parameters"},
                     Planted{"active-fixed-axis", "objectivity"}, Planted{"rate-upwind", "rates"},
-                    Planted{"rate-source", "rates"}, Planted{"rate-blind", "rates"},
+                    Planted{"rate-source", "rates"}, Planted{"rate-reading-source", "rates"},
+                    Planted{"rate-blind", "rates"}, Planted{"rate-empty", "field-cut"},
                     Planted{"rate-no-capacity", "field-cut"}, Planted{"rate-one-way", "coupling"}),
     [](const auto& test) {
       std::string name = test.param.fault;

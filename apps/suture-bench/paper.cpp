@@ -235,8 +235,8 @@ void run_beams_by_scheme(const PaperOptions& options, Report& report) {
   const Index n = options.across.front();
   report.begin("Fig. 6, schemes",
                "the cantilever at a quarter of the paper's load, " + std::to_string(n) +
-                   " elements over its height, moving for 8 s with a damping of 2/s: the tip in "
-                   "the end, m, beside the equilibrium of the same mesh");
+                   " elements over its height; it moves for 8 s with a damping of 2/s. Tip in the "
+                   "end, m, beside the equilibrium of the same mesh");
   for (const BeamModel& model : beam_models) {
     const WorkMethod method{model.name, model.model, model.parameters, balanced, {}};
     const Json scene = cantilever_scene(cantilever("A0.25"), {{4 * n, n, n}}, method);

@@ -37,9 +37,9 @@ because it leaves out the shear.
 formula. TM approaches the reference from below, as a conforming element does.
 """
 
-SCHEMES = """The same for the schemes that compute motion, each with the step of which the run costs as much CPU time as explicit
-steps do. `xpbd` is too soft by what its steps leave out of the stiffness. `implicit-euler` rests where its forces do,
-whatever its step is, solved or on a budget of 10 iterations.
+SCHEMES = """The same for the schemes that compute motion. The step of each is the one whose run costs as much CPU time as explicit
+steps do. Position based dynamics (`xpbd`) is too soft by what its steps leave out of the stiffness. Implicit Euler rests
+where its forces do, whatever its step is, solved or on a budget of 10 iterations.
 
 {note}.
 """

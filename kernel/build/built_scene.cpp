@@ -34,6 +34,7 @@
 #include "kernel/parts/lattice.hpp"
 #include "kernel/parts/part_materials.hpp"
 #include "kernel/topology/bad_elements.hpp"
+#include "kernel/topology/rest_shape.hpp"
 
 namespace suture {
 namespace {
@@ -159,6 +160,13 @@ void BuiltScene::let_parts_grow() {
         " and a neighbour do not lie along the same axes, as around an inner edge with three or "
         "five elements; a blade may divide meshes of mapped blocks only. Cut along \"faces\" "
         "instead");
+  const RestPlaces rest = body_.attributes().rest_places(body_.complex());
+  for (Index e = 0; e < body_.complex().element_count(); ++e)
+    if (body_.complex().exists(3, e) && std::ranges::min(corner_jacobians(rest.of(e))) <= 0)
+      throw InputError(path + "element " + std::to_string(element_name(e)) +
+                       " has a corner Jacobian <= 0, so that a part of it could have a negative "
+                       "mass; a blade may divide elements with positive Jacobians only. Mend the "
+                       "mesh, or cut along \"faces\" instead");
   body_.attributes().let_parts_grow(body_.complex());
   parts_.let_grow(body_.complex());
 }

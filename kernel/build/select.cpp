@@ -24,7 +24,7 @@ double tolerance_of(const Selection::Plane& plane, double diagonal) {
   return plane.tolerance < 0 ? Selection::default_tolerance * diagonal : plane.tolerance;
 }
 
-/// Of a box from a point, rounded down.
+/// The least distance of a box from a point, rounded down.
 double least_distance(const Box& box, const Vec3& p) {
   Vec3 beside;
   for (std::size_t a = 0; a < 3; ++a)

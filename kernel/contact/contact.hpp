@@ -276,7 +276,8 @@ class Contact final : public ContactLaw {
     Vec3 force;
   };
   std::vector<ObstacleForce> obstacle_forces_;
-  /// Of pieces of an embedded surface: a vertex of each, in the last step or when both fell asleep.
+  /// A vertex of each of two pieces with an embedded surface, in the last step or when both fell
+  /// asleep.
   std::vector<Press> pair_presses_, presses_asleep_;
   /// A vertex of a sleeper, and how it would be accelerated, m/s^2.
   struct PushedSleeper {

@@ -22,8 +22,8 @@ struct FieldBalance {
   double inflow = 0;    ///< by fluxes, and through vertices whose value is prescribed
   double produced = 0;  ///< by models; 0 for conduction
   double changed = 0;   ///< by operations, and between equilibria
-  /// Of a field whose rates are derivatives of an energy, J: that of field and deformation, and
-  /// what the field has lost of it on its way.
+  /// If rates are derivatives of an energy, J: that of field and deformation, and what the field
+  /// has lost of it on its way.
   double energy = 0, dissipated = 0;
 };
 

@@ -24,7 +24,7 @@ struct Places {
 /// Three coordinates, padded to 32 bytes.
 using Row4 = std::array<double, 4>;
 
-inline Vec3 vec3(const Row4& row) { return {row[0], row[1], row[2]}; }
+inline Vec3 xyz(const Row4& row) { return {row[0], row[1], row[2]}; }
 
 /// The mean of an element's corners, summed in the order X0..X7.
 inline Row4 centroid_of(const Hexahedron& corners, const Places& places) {

@@ -7,7 +7,8 @@
 namespace suture {
 namespace {
 
-/// Of the magnitudes that a centroid or a height adds up; both are rounded by less than 32 eps.
+/// A part of the magnitudes that a centroid or a height adds up; both are rounded by less than
+/// 32 eps.
 constexpr double rounding = 1e-14;
 
 Index blocks_of(Index count) { return (count + ElementBlocks::size - 1) / ElementBlocks::size; }

@@ -291,12 +291,12 @@ MovingBlade::CheckResult MovingBlade::check(const CellComplex& complex, const St
     const Index n = complex.neighbour(element, f);
     if (n == none || n < element) continue;
     const ElementWay other(complex, tissue_, step.box, n);
-    const double length = distance(vec3(one.now), vec3(other.now));
+    const double length = distance(xyz(one.now), xyz(other.now));
     longest = std::max(longest, length);
     found.shortest = std::min(found.shortest, length);
     if ((one.outside & other.outside) != 0) continue;
-    const Segment from{vec3(one.before), vec3(other.before)};
-    const Segment to{vec3(one.now), vec3(other.now)};
+    const Segment from{xyz(one.before), xyz(other.before)};
+    const Segment to{xyz(one.now), xyz(other.now)};
     for (std::size_t i = 0; i + 1 < step.path.size(); ++i) {
       const BladeKey &p = step.path[i], &q = step.path[i + 1];
       if (!crosses_sweep(between(from, to, p.time), between(from, to, q.time), p.points, q.points))
@@ -307,9 +307,9 @@ MovingBlade::CheckResult MovingBlade::check(const CellComplex& complex, const St
   }
   const std::vector<Vec3>& blade = step.path.back().points;
   for (std::size_t i = 0; i < blade.size(); ++i) {
-    found.reach = std::max(found.reach, distance(vec3(one.now), blade[i]) + longest);
+    found.reach = std::max(found.reach, distance(xyz(one.now), blade[i]) + longest);
     if (i > 0)
-      found.gap = std::min(found.gap, distance(vec3(one.now), blade[i - 1], blade[i]) - longest);
+      found.gap = std::min(found.gap, distance(xyz(one.now), blade[i - 1], blade[i]) - longest);
   }
   return found;
 }

@@ -84,7 +84,7 @@ std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Plac
         if (n == none || n < e || !searched.contains(n) ||
             !overlap(box_, centroids[e], centroids[n]))
           continue;
-        const Segment link{vec3(centroids[e]), vec3(centroids[n])};
+        const Segment link{xyz(centroids[e]), xyz(centroids[n])};
         if (!grid_.may_meet(link.a, link.b)) continue;
         near.push_back(face_dart(e, f));
         links.push_back(link);

@@ -2,7 +2,7 @@
 #include "kernel/live/inputs.hpp"
 
 #include <algorithm>
-#include <sstream>
+#include <span>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/message_text.hpp"
@@ -14,6 +14,36 @@ namespace suture {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr std::size_t most_repeated = 200;  // characters of what was sent
+
+struct Form {
+  std::string_view name, text;
+};
+/// The forms of the inputs of a page ("do"), and of the values that "apply" takes beside events.
+constexpr Form page_forms[] = {{"play", R"({"do": "play"})"},
+                               {"pause", R"({"do": "pause"})"},
+                               {"step", R"({"do": "step"})"},
+                               {"reset", R"({"do": "reset"})"},
+                               {"back", R"({"do": "back"}, {"do": "back", "to": ID})"},
+                               {"field", R"({"do": "field", "name": NAME})"},
+                               {"speed", R"({"do": "speed", "value": NUMBER})"},
+                               {"scene", R"({"do": "scene"})"},
+                               {"checkpoint", R"({"do": "checkpoint"})"},
+                               {"keep", R"({"do": "keep", "name": TEXT})"},
+                               {"apply", R"({"do": "apply", "event": {...}})"},
+                               {"aim", R"({"do": "aim"})"},
+                               {"grab", R"({"do": "grab", "at": [x, y, z]})"},
+                               {"take", R"({"do": "take", "tool": NAME, "at": [x, y, z]})"},
+                               {"drag", R"({"do": "drag", "to": [x, y, z]})"},
+                               {"let_go", R"({"do": "let_go"})"}};
+constexpr Form value_forms[] = {
+    {"move", R"({"move": {"grasp": NAME, "translation": [x, y, z], "during": SECONDS}})"},
+    {"steer",
+     R"({"steer": {"obstacle": NAME, "translation": [x, y, z], "rotation": [x, y, z], "during": SECONDS}})"},
+    {"parameters", R"({"parameters": {"model": NAME, "values": {NAME: NUMBER}}})"},
+    {"sweep", R"({"sweep": {"points": [[x, y, z], ...], "triangles": [[i, j, k], ...]}})"},
+    {"gravity", R"({"gravity": [x, y, z]})"}};
 
 /// Refuses keys that nothing reads.
 void check_keys(const Json& object, const std::vector<std::string>& known) {
@@ -95,10 +125,11 @@ Event sweep_event(const Json& sweep) {
 
 void apply_input(const std::string& value, const Scene& scene, Simulation& simulation,
                  Observer& observer, Diagnostics& diagnostics) {
+  std::string what;
   try {
     const Json input = Json::parse(value);
     if (input.is_object() && input.size() == 1) {
-      const std::string what = input.begin().key();
+      what = input.begin().key();
       const Json& how = input.begin().value();
       if (what == "move") return move(how, simulation);
       if (what == "steer") return steer(how, simulation);
@@ -106,10 +137,26 @@ void apply_input(const std::string& value, const Scene& scene, Simulation& simul
       if (what == "sweep") return void(simulation.apply(sweep_event(how), observer));
       if (what == "gravity") return set_gravity(how, simulation, observer);
     }
-  } catch (const Json::exception& error) {
-    throw InputError("this input is not understood: " + value + ": " + error.what());
+  } catch (const Json::exception&) {
+    throw InputError(not_understood(value, what));
   }
   simulation.apply(read_event(value, "input", scene, diagnostics), observer);
+}
+
+std::string not_understood(const std::string& given, const std::string& name) {
+  std::string_view form = R"(an object such as {"do": "step"})";
+  for (const std::span<const Form> forms :
+       {std::span<const Form>(page_forms), std::span<const Form>(value_forms)})
+    for (const Form& known : forms)
+      if (known.name == name) form = known.text;
+  return "this input is not understood: " + given.substr(0, most_repeated) +
+         (given.size() > most_repeated ? "..." : "") + "; expected " + std::string(form);
+}
+
+std::string similar_input(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Form& known : page_forms) names.emplace_back(known.name);
+  return did_you_mean(name, names);
 }
 
 }  // namespace suture

@@ -55,15 +55,16 @@ std::pair<std::unique_ptr<Scene>, std::unique_ptr<Simulation>> divisible_run(
 /// Applies an input of the page. A refused input changes nothing, and the page shows the reason.
 void LiveRun::obey(const std::string& text, Observer& observer) {
   is_shown_ = false;
+  std::string what;
   try {
     const Json input = Json::parse(text);
-    const std::string what = input.at("do");
+    what = input.at("do");
     if (control(what, input, observer)) return;
     if (status_.has_failed)
       throw InputError("the run has failed; take the last action back, or reset it");
     act(what, input, observer);
-  } catch (const Json::exception& error) {
-    tell("error", std::string("this input is not understood: ") + error.what());
+  } catch (const Json::exception&) {
+    tell("error", not_understood(text, what));
   } catch (const IoError&) {
     throw;  // of the recording
   } catch (const NumericalError& error) {
@@ -124,7 +125,7 @@ void LiveRun::act(const std::string& what, const Json& input, Observer& observer
   } else if (what == "let_go") {
     let_go(observer);
   } else {
-    throw InputError("there is no input '" + what + "'");
+    throw InputError("there is no input '" + what + "'" + similar_input(what));
   }
 }
 

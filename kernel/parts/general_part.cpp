@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "kernel/base/error.hpp"
 #include "kernel/parts/cube_sides.hpp"
 #include "kernel/parts/moments.hpp"
 
@@ -95,6 +96,10 @@ GeneralPart general_part(const Parts& parts, std::size_t place, const std::array
   for (std::size_t n = 0; n < 8; ++n) cube.add(scaled(1 / std::sqrt(3), corner_place(n)), 1);
   GeneralPart result;
   result.fraction = part.volume() / cube.volume();
+  if (!(result.fraction > 0) || !std::isfinite(result.fraction))
+    throw NumericalError("a part of an element has " + std::to_string(result.fraction) +
+                         " of its volume at rest, expected more than 0: the element is turned "
+                         "inside out there; improve the mesh, or cut along \"faces\"");
   for (std::size_t k = 0; k < 4; ++k)
     result.gradients[k] = minus(part.mean_gradient(k), cube.mean_gradient(k));
   return result;

@@ -5,8 +5,9 @@
 
 namespace suture {
 
-/// The part of the element at `place` in parts.elements, whose corners at rest are given. Parallel-
-/// epipeds need it only beside other hexahedra. 0.5 us per tetrahedron.
+/// The part of the element at `place` in parts.elements, whose corners at rest are given.
+/// Parallelepipeds need it only beside other hexahedra. Throws NumericalError if its volume at rest
+/// is not positive. O(tetrahedra).
 GeneralPart general_part(const Parts& parts, std::size_t place, const std::array<Vec3, 8>& rest);
 
 }  // namespace suture

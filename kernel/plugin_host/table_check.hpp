@@ -17,7 +17,7 @@ class Entry;
 std::vector<std::string> table_problems(const suture_plugin& plugin);
 
 /// The same of one functor of a model; one for elements of which only a part is material may read
-/// SUTURE_PART_COLUMN.
+/// SUTURE_PART_COLUMN, or SUTURE_GENERAL_PART_COLUMN if it is for general hexahedra.
 void check_functor(const Entry& entry, const suture_model& model, const suture_functor& functor,
                    bool on_parts = false);
 

@@ -30,8 +30,8 @@ class ProcessShare final : public ForceShare {
   Communicator& processes_;
   std::vector<Index> borders_;             ///< vertices from each to the next are of one process
   std::vector<std::vector<Index>> added_;  ///< vertices of each process behind the last border
-  // Of the present exchange: the numbers of this process, those of all, and how many each gives,
-  // of which the last says whether it has failed.
+  // The present exchange: the numbers of this process, those of all, and how many each gives.
+  // The last number of a process says whether it has failed.
   std::vector<double> mine_, all_;
   std::vector<int> counts_;
 };

@@ -63,7 +63,7 @@ struct ModelUse {
   std::vector<double> parameters;  ///< in declared order, defaults filled in; NaN: in `values`
   std::vector<CellValues> values;
   Selection region;
-  /// Of a model that acts on lips, in place of a region.
+  /// In place of a region, if the model acts on lips.
   std::optional<std::array<Selection, 2>> between{};
   OnInversion on_inversion = OnInversion::by_model;  ///< takes precedence over the solver's
   std::string path;

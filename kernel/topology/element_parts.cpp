@@ -25,7 +25,7 @@ std::string fault_of(const PartMoments& part) {
   return "";
 }
 
-/// Of a parallelepiped: the means of grad yz = (0, z, y) and so on, which vanish over the cube.
+/// For a parallelepiped: the means of grad yz = (0, z, y) and so on, which vanish over the cube.
 GeneralPart general_part_of(const PartMoments& part) {
   const auto& [x, y, z] = part.centroid;
   const auto& [yz, zx, xy] = part.covariance;

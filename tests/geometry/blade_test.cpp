@@ -68,8 +68,7 @@ TEST(SurfaceBlade, ClosedSurfacesSeparateInsideFromOutside) {
   const TriangleSurface ball = sphere_surface({6.01, 5.97, 6.03}, 4.2, 2);
   std::vector<char> inside(block.complex.element_count());
   for (Index e = 0; e < inside.size(); ++e)
-    inside[e] =
-        winding(ball, vec3(centroid_of(block.complex.vertices_of(e), block.places()))) > 0.5;
+    inside[e] = winding(ball, xyz(centroid_of(block.complex.vertices_of(e), block.places()))) > 0.5;
   std::vector<Dart> expected;
   for (Index e = 0; e < inside.size(); ++e)
     for (int f = 0; f < 6; ++f) {

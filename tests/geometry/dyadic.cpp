@@ -82,8 +82,8 @@ std::vector<Dart> every_face_against_every_triangle(const TriangleSurface& surfa
     for (int f = 0; f < 6; ++f) {
       const Index n = block.complex.neighbour(e, f);
       if (n == none || n < e) continue;
-      const Vec3 a = vec3(centroid_of(block.complex.vertices_of(e), block.places()));
-      const Vec3 b = vec3(centroid_of(block.complex.vertices_of(n), block.places()));
+      const Vec3 a = xyz(centroid_of(block.complex.vertices_of(e), block.places()));
+      const Vec3 b = xyz(centroid_of(block.complex.vertices_of(n), block.places()));
       for (const Triangle& t : surface.triangles) {
         if (!crosses_exactly({surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]}, a,
                              b))

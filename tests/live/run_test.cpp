@@ -61,8 +61,15 @@ TEST_F(Watched, RefusesWhatItDoesNotUnderstand) {
         R"({"do":"apply","event":{"sweep":{"points":[[0,0,0]],"triangles":[[0,0,1]]}}})",
         R"({"do":"field","name":"beauty"})", R"({"do":"speed","value":-1})", "\xff\xfe"}) {
     page.send(std::string(wrong) == "\xff\xfe" ? "\"" : wrong);
-    EXPECT_FALSE(page.until("error")["error"].get<std::string>().empty()) << wrong;
+    const std::string error = page.until("error")["error"];
+    EXPECT_FALSE(error.empty()) << wrong;
+    EXPECT_EQ(error.find("json.exception"), std::string::npos) << error;
   }
+  page.send(R"({"do":"grab","at":7})");
+  EXPECT_THAT(page.until("error")["error"].get<std::string>(),
+              HasSubstr(R"({"do":"grab","at":7}; expected {"do": "grab", "at": [x, y, z]})"));
+  page.send(R"({"do":"graab"})");
+  EXPECT_THAT(page.until("error")["error"].get<std::string>(), HasSubstr("did you mean 'grab'?"));
   page.send(R"({"do":"step"})");
   EXPECT_EQ(state_after(1)["step"], 1);
   stop();

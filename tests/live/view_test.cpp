@@ -130,7 +130,7 @@ TEST_F(View, CutsWhatABladeHasSwept) {
   };
   EXPECT_THAT(refused("triangles", {{0, 1, 4}}), HasSubstr("corner 4, but 4 points are given"));
   EXPECT_THAT(refused("triangles", {{0, 1, -1}}), HasSubstr("is not a whole number"));
-  EXPECT_THAT(refused("points", 7), HasSubstr("not understood"));
+  EXPECT_THAT(refused("points", 7), HasSubstr(R"(expected {"sweep": {"points": [[x, y, z], ...])"));
   EXPECT_THAT(refused("along", "edge"), HasSubstr("\"faces\" or \"blade\""));
   EXPECT_THAT(refused("alon", "blade"), HasSubstr("did you mean 'along'?"));
 }
@@ -255,14 +255,15 @@ TEST_F(View, ChangesModelsAndGravity) {
   change({{"gravity", {0, -1, 0}}});
   next_values([&](const Json& values) { return values["gravity"] == Json({0, -1, 0}); });
   const std::vector<std::pair<Json, const char*>> wrong{
-      {{{"gravity", {0, -1}}}, "not understood"},
-      {{{"gravity", "moon"}}, "not understood"},
+      {{{"gravity", {0, -1}}}, R"(: {"gravity":[0,-1]}; expected {"gravity": [x, y, z]})"},
+      {{{"gravity", "moon"}}, R"(expected {"gravity": [x, y, z]})"},
       {{{"parameters", {{"model", "tm-faur"}, {"values", {{"E", 2e5}}}}}},
        "did you mean 'tm-faure'?"},
       {{{"parameters", {{"model", "tm-faure"}, {"values", {{"E", -1}}}}}}, "must be"},
       {{{"parameters", {{"model", "tm-faure"}, {"values", {{"F", 1}}}}}}, "unknown key"},
       {{{"parameters", {{"model", "tm-faure"}, {"value", {{"E", 1}}}}}}, "did you mean 'values'?"},
-      {{{"steer", {{"obstacle", "ball"}, {"during", "long"}}}}, "not understood"}};
+      {{{"steer", {{"obstacle", "ball"}, {"during", "long"}}}},
+       R"(expected {"steer": {"obstacle": NAME,)"}};
   for (const auto& [event, message] : wrong) {
     change(event);
     EXPECT_THAT(page.until("error")["error"], HasSubstr(message)) << event;

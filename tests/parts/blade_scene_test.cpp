@@ -10,6 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/build/check_parts.hpp"
+#include "kernel/parts/general_part.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "tests/parts/blade_event.hpp"
 #include "tests/run/open_scene.hpp"
@@ -235,6 +236,36 @@ TEST(BladeScene, RefusesMeshesThatAreNoGrid) {
   EXPECT_THAT(error(turned), IsEmpty());
   EXPECT_THAT(error(three_around_an_edge()), AllOf(StartsWith("/events/0/cut/along: element "),
                                                    HasSubstr("do not lie along the same axes")));
+}
+
+/// det J = 1 - 3 x 0.4 at this corner of a unit cube, and positive at the Gauss points.
+constexpr Vec3 behind_its_neighbours{0.4, 0.4, 0.4};
+
+TEST(BladeScene, RefusesElementsThatAreInvertedAtRest) {
+  auto mesh = mesh_of_bar();
+  mesh->points[0] = behind_its_neighbours;
+  Scene scene = bar();
+  scene.mesh.box.reset();
+  scene.mesh.given = mesh;
+  scene.mesh.import.allow_inverted_rest = true;
+  EXPECT_THAT(error_of<InputError>([&] { const Built built(scene); }),
+              AllOf(StartsWith("/events/0/cut/along: element 0 has a corner Jacobian <= 0"),
+                    HasSubstr("cut along \"faces\"")));
+}
+
+TEST(BladeScene, PartsOfNegativeVolumeAreErrors) {
+  const auto mesh = mesh_of_bar();
+  std::array<Vec3, 8> rest;
+  for (std::size_t n = 0; n < 8; ++n) rest[n] = mesh->points[mesh->hexahedra[0][n]];
+  Parts corner;
+  for (const Vec3& at : {Vec3{-1, -1, -1}, {-0.9, -1, -1}, {-1, -0.9, -1}, {-1, -1, -0.9}})
+    corner.points.push_back({0, at});
+  corner.tetrahedra = {{0, 1, 2, 3}};
+  corner.first = {0, 1};
+  EXPECT_NEAR(general_part(corner, 0, rest).fraction, 1e-3 / 48, 1e-15);
+  rest[0] = behind_its_neighbours;
+  EXPECT_THAT(error_of<NumericalError>([&] { general_part(corner, 0, rest); }),
+              HasSubstr("of its volume at rest, expected more than 0"));
 }
 
 TEST(BladeScene, MayBeDivisibleWithoutACut) {

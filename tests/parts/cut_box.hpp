@@ -102,8 +102,8 @@ struct CutBox {
     for (std::size_t c = 0; c < 3; ++c) at[c] = embedding.points.value(p, rows[0].data(), 3, c);
     return at;
   }
-  Vec3 place(const EmbeddedPoint& point) const {
-    return place_in(complex.vertices_of(point.element), point.at, rows[0].data(), 3);
+  Vec3 place(const EmbeddedPoint& of) const {
+    return place_in(complex.vertices_of(of.element), of.at, rows[0].data(), 3);
   }
 };
 

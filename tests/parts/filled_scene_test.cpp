@@ -196,6 +196,7 @@ std::string outcome_of(const TriangleSurface& surface, double edge,
   Scene scene = ball();
   test::fill(scene, surface, edge);
   scene.constraints.clear();
+  scene.output.enabled = false;
   scene.gravity = {0, 0, -1};
   ModelUse& use = scene.models[0];
   for (std::uint32_t p = 0; p < use.model->parameter_count; ++p) {

@@ -337,7 +337,8 @@ const TableCase functor_cases[] = {
     {"Shape", [](Tables& t) { t.functors[0].shape = SUTURE_GENERAL; },
      MODEL ", functor 'edges': names a shape, which only cells of dimension 3 have"},
     {"Faces", [](Tables& t) { t.functors[0].faces = SUTURE_BOUNDARY_FACES; },
-     MODEL ", functor 'edges': names a set of faces, but its dimension is not 2"},
+     MODEL
+     ", functor 'edges': names a set of faces, but its dimension is not 2, or its cells are lips"},
     {"ColumnOutOfRange", [](Tables& t) { t.cell_columns[0] = 3; },
      MODEL ", functor 'edges': its cell column 3 is not an attribute: the model has 3"},
     {"ColumnDimension", [](Tables& t) { t.cell_columns[0] = 2; },

@@ -116,12 +116,13 @@ TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
   first.send(SIGKILL, 0.05);
   first.wait();
   for (const unsigned processes : {2u, 4u}) {
-    const fs::path newest = newest_checkpoint(out);
-    ASSERT_NE(newest, "");
-    // The processes whose launcher was killed may still have to notice.
+    // The processes whose launcher was killed may still have to notice: until then they hold the
+    // folder and write further checkpoints.
     int code = 6;
-    for (int i = 0; i < 30 && code == 6; ++i) {
+    for (int i = 0; i < 30 && code != 0; ++i) {
       if (i > 0) sleep(1);
+      const fs::path newest = newest_checkpoint(out);
+      ASSERT_NE(newest, "");
       code = run(what, {"--resume", "out/" + newest.filename().string()}, processes, there);
     }
     EXPECT_EQ(code, 0) << said(there);

@@ -45,7 +45,7 @@ Mesh mixed_block(Index apart) {
   return mesh;
 }
 
-struct Case {
+struct Sample {
   const char* model;
   std::map<std::string, double> values;
 };
@@ -54,8 +54,8 @@ struct Products {
   std::vector<double> forces, tangent;
 };
 
-/// Of the block in a deformed state.
-Products products_of(const Case& the, Index apart, bool removes) {
+/// Those of the block in a deformed state.
+Products products_of(const Sample& the, Index apart, bool removes) {
   Diagnostics diagnostics;
   Body body(import_mesh(mixed_block(apart), {.renumber = false}, diagnostics));
   const suture_model& model = tree_plugins().model(the.model);
@@ -88,7 +88,7 @@ Products products_of(const Case& the, Index apart, bool removes) {
           {tangent.begin() + static_cast<std::ptrdiff_t>(3 * first), tangent.end()}};
 }
 
-class OrderOfSums : public testing::TestWithParam<Case> {};
+class OrderOfSums : public testing::TestWithParam<Sample> {};
 
 TEST_P(OrderOfSums, DoesNotDependOnWhichCellsShareABatch) {
   for (Index apart = 1; apart < 12; ++apart) {
@@ -101,8 +101,9 @@ TEST_P(OrderOfSums, DoesNotDependOnWhichCellsShareABatch) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, OrderOfSums,
-                         testing::Values(Case{"tm-faure", {}}, Case{"tm-faure", {{"element", 1}}},
-                                         Case{"mss-baudet", {{"viscosity", 1}}}));
+                         testing::Values(Sample{"tm-faure", {}},
+                                         Sample{"tm-faure", {{"element", 1}}},
+                                         Sample{"mss-baudet", {{"viscosity", 1}}}));
 
 }  // namespace
 }  // namespace suture::test

@@ -137,7 +137,7 @@ struct attribute : suture_attribute {
   constexpr attribute trial() const { return flag(SUTURE_TRIAL); }
   /// Users need not know it: `suture describe` does not list it.
   constexpr attribute internal() const { return flag(SUTURE_INTERNAL); }
-  /// Of a field: it never falls in a step, such as a damage that does not heal.
+  /// The field never falls in a step, such as a damage that does not heal.
   constexpr attribute rising() const { return flag(SUTURE_RISING); }
   constexpr attribute flag(std::uint32_t bits) const {
     attribute a = *this;

@@ -12,9 +12,6 @@ namespace {
 
 std::unique_ptr<Communicator> joined;
 
-/// Errors that all meet arrive within one step of each other.
-constexpr std::chrono::seconds patience{5};
-
 std::string name_of_machine() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
@@ -37,15 +34,15 @@ unsigned threads_of_each(Communicator& processes) {
   return std::max(1u, cores / static_cast<unsigned>(here));
 }
 
-int leave_processes(int code, Console& console) {
-  if (!joined) return code;
-  if (code != 0 && !joined->all_end(patience)) {
+void leave_processes() { joined.reset(); }
+
+void leave_processes_after_error(int code, Console& console) {
+  if (joined && !joined->all_meet_error()) {
     console.speak_as("process " + std::to_string(joined->rank()) + " of " +
                      std::to_string(joined->size()));
     joined->abort(code);
   }
-  joined.reset();
-  return code;
+  leave_processes();
 }
 
 }  // namespace suture

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture/processes.hpp"
 
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,11 +18,19 @@ std::string name_of_machine() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
+/// Launchers may bind a process to some of them.
+unsigned allowed_cores() {
+  cpu_set_t cores;
+  if (sched_getaffinity(0, sizeof cores, &cores) != 0) return 1;
+  return static_cast<unsigned>(CPU_COUNT(&cores));
+}
+
 }  // namespace
 
 Communicator* enter_processes(Console& console) {
   if (!is_one_of_several()) return nullptr;
   joined = join_processes();
+  if (joined->size() == 1) return nullptr;
   if (joined->rank() != 0) console.mute();
   console.note(std::to_string(joined->size()) + " processes make this run");
   return joined.get();
@@ -30,8 +39,8 @@ Communicator* enter_processes(Console& console) {
 unsigned threads_of_each(Communicator& processes) {
   const std::vector<std::string> machines = processes.gather(name_of_machine());
   const auto here = std::ranges::count(machines, machines[processes.rank()]);
-  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-  return std::max(1u, cores / static_cast<unsigned>(here));
+  const auto share = std::thread::hardware_concurrency() / static_cast<unsigned>(here);
+  return std::clamp(share, 1u, allowed_cores());
 }
 
 void leave_processes() { joined.reset(); }

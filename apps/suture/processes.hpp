@@ -10,7 +10,8 @@ namespace suture {
 /// process 0 show nothing from now on.
 Communicator* enter_processes(Console& console);
 
-/// One per core of a machine, divided among its processes.
+/// One per core of a machine, divided among its processes; at most one per core that the launcher
+/// allows this process.
 unsigned threads_of_each(Communicator& processes);
 
 /// Waits until all processes leave. Nothing happens if there are no others.

@@ -8,10 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
-int rename(const char* from, const char* to) {
+int renameat(int from_folder, const char* from, int to_folder, const char* to) {
   static atomic_flag is_over = ATOMIC_FLAG_INIT;
   if (strstr(to, "checkpoint_") && !atomic_flag_test_and_set(&is_over)) sleep(6);
-  int (*next)(const char*, const char*) = NULL;
-  *(void**)&next = dlsym(RTLD_NEXT, "rename");
-  return next(from, to);
+  int (*next)(int, const char*, int, const char*) = NULL;
+  *(void**)&next = dlsym(RTLD_NEXT, "renameat");
+  return next(from_folder, from, to_folder, to);
 }

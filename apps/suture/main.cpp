@@ -80,8 +80,13 @@ int main(int argc, char** argv) {
   });
   if (usage != 0) return usage;
   Console console(line.quiet, line.verbose);
-  int code = guarded(console, [&] { return std::visit(Dispatch{console}, line.command); });
-  code = leave_processes(code, console);
+  bool has_met_error = true;
+  const int code = guarded(console, [&] {
+    const int result = std::visit(Dispatch{console}, line.command);
+    has_met_error = false;
+    return result;
+  });
+  has_met_error ? leave_processes_after_error(code, console) : leave_processes();
   deliver_plugin_warnings(console.diagnostics());
   console.count_warnings();
   return code != 0 ? code : console.finish();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture/processes.hpp"
 
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,12 +13,16 @@ namespace {
 
 std::unique_ptr<Communicator> joined;
 
-/// Errors that all meet arrive within one step of each other.
-constexpr std::chrono::seconds patience{5};
-
 std::string name_of_machine() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+/// Launchers may bind a process to some of them.
+unsigned allowed_cores() {
+  cpu_set_t cores;
+  if (sched_getaffinity(0, sizeof cores, &cores) != 0) return 1;
+  return static_cast<unsigned>(CPU_COUNT(&cores));
 }
 
 }  // namespace
@@ -25,6 +30,7 @@ std::string name_of_machine() {
 Communicator* enter_processes(Console& console) {
   if (!is_one_of_several()) return nullptr;
   joined = join_processes();
+  if (joined->size() == 1) return nullptr;
   if (joined->rank() != 0) console.mute();
   console.note(std::to_string(joined->size()) + " processes make this run");
   return joined.get();
@@ -33,19 +39,19 @@ Communicator* enter_processes(Console& console) {
 unsigned threads_of_each(Communicator& processes) {
   const std::vector<std::string> machines = processes.gather(name_of_machine());
   const auto here = std::ranges::count(machines, machines[processes.rank()]);
-  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-  return std::max(1u, cores / static_cast<unsigned>(here));
+  const auto share = std::thread::hardware_concurrency() / static_cast<unsigned>(here);
+  return std::clamp(share, 1u, allowed_cores());
 }
 
-int leave_processes(int code, Console& console) {
-  if (!joined) return code;
-  if (code != 0 && !joined->all_end(patience)) {
+void leave_processes() { joined.reset(); }
+
+void leave_processes_after_error(int code, Console& console) {
+  if (joined && !joined->all_meet_error()) {
     console.speak_as("process " + std::to_string(joined->rank()) + " of " +
                      std::to_string(joined->size()));
     joined->abort(code);
   }
-  joined.reset();
-  return code;
+  leave_processes();
 }
 
 }  // namespace suture

@@ -10,11 +10,14 @@ namespace suture {
 /// process 0 show nothing from now on.
 Communicator* enter_processes(Console& console);
 
-/// One per core of a machine, divided among its processes.
+/// One per core of a machine, divided among its processes; at most one per core that the launcher
+/// allows this process.
 unsigned threads_of_each(Communicator& processes);
 
-/// Call at the end, with the exit code of this process. An error that not all processes have met
-/// ends them, too.
-int leave_processes(int code, Console& console);
+/// Waits until all processes leave. Nothing happens if there are no others.
+void leave_processes();
+/// Call it instead after an error, with its exit code. If the others have not met the error, ends
+/// them, too, and does not return.
+void leave_processes_after_error(int code, Console& console);
 
 }  // namespace suture

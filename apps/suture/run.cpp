@@ -59,10 +59,15 @@ class Watcher final : public Observer {
     if (console_.verbose()) console_.note(message);
   }
   bool stop_requested() override {
-    const bool is_told = caught_signal() != 0;
-    if (is_at_end_ || !processes_) return is_at_end_ || is_told;
-    return questions_++ % steps_between == 0 && processes_->any(is_told);
+    if (is_at_end_) return true;
+    if (!processes_)
+      signal_ = caught_signal();
+    else if (questions_++ % steps_between == 0)
+      signal_ = processes_->largest(caught_signal());
+    return signal_ != 0;
   }
+  /// The one that stops the run, on whichever process it arrived; 0: none.
+  int signal() const { return signal_; }
   /// Ends the run where it is.
   void end() { is_at_end_ = true; }
 
@@ -71,6 +76,7 @@ class Watcher final : public Observer {
   static constexpr unsigned steps_between = 8;  ///< from question to question to all processes
   Communicator* processes_;
   unsigned questions_ = 0;
+  int signal_ = 0;
   bool is_at_end_ = false;
   std::chrono::steady_clock::time_point next_{};
 };
@@ -225,7 +231,7 @@ int run(const RunCommand& command, Console& console) {
   print_costs(simulation.costs(), summary.seconds, console);
   if (summary.outcome == RunSummary::Outcome::unstable_equilibrium)
     return NumericalError("").exit_code();
-  return summary.outcome == RunSummary::Outcome::interrupted ? 128 + caught_signal() : 0;
+  return summary.outcome == RunSummary::Outcome::interrupted ? 128 + watcher.signal() : 0;
 }
 
 }  // namespace suture

@@ -2,17 +2,27 @@
 #include "kernel/processes/communicator.hpp"
 
 #include <cstdlib>
-#include <string_view>
+#include <string>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/module.hpp"
 
 namespace suture {
 
-bool is_one_of_several() {
+namespace {
+
+/// The number of processes that the launcher has started; "": it does not say.
+std::string number_started() {
   for (const char* size : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
-    if (const char* value = std::getenv(size)) return value != std::string_view("1");
-  return std::getenv("PMIX_RANK") != nullptr;
+    if (const char* value = std::getenv(size)) return value;
+  return "";
+}
+
+}  // namespace
+
+bool is_one_of_several() {
+  const std::string started = number_started();
+  return started.empty() ? std::getenv("PMIX_RANK") != nullptr : started != "1";
 }
 
 std::unique_ptr<Communicator> join_processes() {
@@ -24,7 +34,13 @@ std::unique_ptr<Communicator> join_processes() {
     throw InputError(std::string("several processes cannot make one run here: ") + error.what() +
                      "; this part is built where MPI is found (Debian: libopenmpi-dev)");
   }
-  return std::unique_ptr<Communicator>(reinterpret_cast<Factory>(symbol)());
+  std::unique_ptr<Communicator> joined(reinterpret_cast<Factory>(symbol)());
+  const std::string started = number_started(), found = std::to_string(joined->size());
+  if (!started.empty() && started != found)
+    throw InputError("the launcher has started " + started + " processes, but MPI finds " + found +
+                     ": they belong to different MPI libraries; start the run with the launcher "
+                     "of the MPI that libsuture-processes.so was built with");
+  return joined;
 }
 
 }  // namespace suture

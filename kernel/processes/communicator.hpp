@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <chrono>
 #include <memory>
 #include <span>
 #include <string>
@@ -24,10 +23,15 @@ class Communicator {
   virtual void complete(double* all, std::span<const int> counts) = 0;
   /// The texts of all processes.
   virtual std::vector<std::string> gather(const std::string& mine) = 0;
-  /// Whether it is true on one of them.
-  virtual bool any(bool mine) = 0;
-  /// The same, at the end of a process: false if others do not arrive in time.
-  virtual bool all_end(std::chrono::milliseconds time) = 0;
+  /// The largest number of all processes.
+  virtual int largest(int mine) = 0;
+
+  /// This process has met an error that the others should meet, too. Does not wait; call it before
+  /// what takes time, such as writing.
+  virtual void meet_error() = 0;
+  /// False if others do not meet it in time: 5 s, or a minute if meet_error() was called before, as
+  /// process 0 may still be writing what stands before the error.
+  virtual bool all_meet_error() = 0;
 
   /// Ends all processes at once.
   [[noreturn]] virtual void abort(int code) = 0;
@@ -36,7 +40,8 @@ class Communicator {
 /// True if a launcher of MPI has started this process as one of several.
 bool is_one_of_several();
 /// Joins the processes that were started together, once per process. Loads libsuture-processes.so,
-/// and with it MPI. Throws InputError if this program was built without it.
+/// and with it MPI. Throws InputError if this program was built without it,
+/// or if MPI finds another number of processes than the launcher has started.
 std::unique_ptr<Communicator> join_processes();
 
 }  // namespace suture

@@ -15,6 +15,20 @@ constexpr double estimable = 0.2;
 
 }  // namespace
 
+std::string note_on(const Newton::Iteration& i, const Newton& newton) {
+  std::ostringstream text;
+  text << "Newton iteration " << i.number;
+  if (i.coarse_nodes > 0) {
+    text << " on " << i.coarse_nodes << " coarse nodes: residual " << i.residual / i.scale
+         << " of the first one, step " << i.step;
+    return text.str();
+  }
+  text << ": residual " << i.residual / i.scale << " of the forces, " << i.linear_iterations
+       << " linear iterations (" << newton.preconditioner() << "), step " << i.step
+       << (i.indefinite ? ", the tangent is indefinite" : "");
+  return text.str();
+}
+
 std::string rounding_warning(Dynamics& dynamics, double tolerance) {
   const Newton* newton = dynamics.newton();
   if (!newton || newton->limited_steps() == 0) return "";

@@ -5,8 +5,12 @@
 #include <vector>
 
 #include "kernel/dynamics/dynamics.hpp"
+#include "kernel/implicit/newton.hpp"
 
 namespace suture {
+
+/// "Newton iteration 3: residual 1e-5 of the forces, ...".
+std::string note_on(const Newton::Iteration& iteration, const Newton& newton);
 
 /// A warning of implicit steps that rounding kept above `tolerance`; "" if all reached it.
 std::string rounding_warning(Dynamics& dynamics, double tolerance);

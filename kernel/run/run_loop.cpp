@@ -4,7 +4,6 @@
 #include <cmath>
 #include <exception>
 #include <new>
-#include <sstream>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
@@ -79,8 +78,9 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
 
 void RunLoop::share(Communicator& processes) {
   require_shareable(built_);
-  require_same_run(processes, checkpoint_header(built_, host_));
+  require_same_run(processes, scene_, checkpoint_header(built_, host_));
   built_.body().models().share(std::make_unique<ProcessShare>(processes));
+  processes_ = &processes;
 }
 
 /// A fixed dt does not need the bounds of the stable step.
@@ -256,31 +256,13 @@ ForceTerm& RunLoop::add_term(std::unique_ptr<ForceTerm> term) {
 
 // ----------------------------------------------------------------- the loop --
 
-namespace {
-
-std::string describe(const Newton::Iteration& i, const Newton& newton) {
-  std::ostringstream text;
-  text << "Newton iteration " << i.number;
-  if (i.coarse_nodes > 0) {
-    text << " on " << i.coarse_nodes << " coarse nodes: residual " << i.residual / i.scale
-         << " of the first one, step " << i.step;
-    return text.str();
-  }
-  text << ": residual " << i.residual / i.scale << " of the forces, " << i.linear_iterations
-       << " linear iterations (" << newton.preconditioner() << "), step " << i.step
-       << (i.indefinite ? ", the tangent is indefinite" : "");
-  return text.str();
-}
-
-}  // namespace
-
 /// For `suture run -v`: the convergence of implicit steps, and steps that follow their error.
 void RunLoop::pass_details_to(Observer& observer) {
   control_.on_detail = [&observer](const std::string& text) { observer.on_detail(text); };
   Newton* newton = built_.dynamics().newton();
   if (!newton) return;
   newton->on_iteration = [&observer, newton](const Newton::Iteration& i) {
-    observer.on_detail(describe(i, *newton));
+    observer.on_detail(note_on(i, *newton));
   };
   newton->on_note = [&observer](const std::string& text) { observer.on_detail(text); };
   newton->on_message = [&observer](const std::string& text) { observer.on_message(text); };
@@ -401,6 +383,7 @@ void RunLoop::resume(const Checkpoint& checkpoint, const std::filesystem::path& 
 
 /// Writes what stands: a step that failed has taken its own back.
 void RunLoop::close_failed(Observer& observer) {
+  if (processes_) processes_->meet_error();
   report_events(event_report_.finish(), observer);
   recorder_.release(clock_.step());
   recorder_.finish();

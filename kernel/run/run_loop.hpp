@@ -99,6 +99,7 @@ class RunLoop {
   RunSummary summary_;
   bool is_unbalanced_ = false;    ///< something has changed since the last step
   std::uint64_t first_step_ = 0;  ///< not 0 if the run was resumed
+  Communicator* processes_ = nullptr;
 };
 
 }  // namespace suture

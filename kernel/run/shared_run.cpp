@@ -27,12 +27,14 @@ std::string sum_of(const std::string& text) {
 }
 
 /// What the bits of a run depend on, a line for each: "what: which".
-std::string description_of(const CheckpointHeader& run) {
+std::string description_of(const Scene& scene, const CheckpointHeader& run) {
   std::ostringstream lines;
   lines << "program: " << run.program << " (" << sum_of_file("/proc/self/exe") << ")\n"
         << "instruction set: " << run.isa << '\n'
         << "scene: " << run.scene_hash << ' ' << sum_of(run.scene_text) << '\n'
         << "mesh: " << run.mesh_hash << '\n';
+  for (const std::filesystem::path& file : scene.files)
+    lines << "file " << file.filename().string() << ": " << sum_of_file(file) << '\n';
   for (const CheckpointHeader::Plugin& plugin : run.plugins)
     lines << "plugin " << plugin.id << ": " << plugin.version << " (" << sum_of_file(plugin.file)
           << ")\n";
@@ -65,14 +67,15 @@ void require_shareable(BuiltScene& built) {
         "simulation) or \"every_steps\", or use one process");
 }
 
-void require_same_run(Communicator& processes, const CheckpointHeader& run) {
-  const std::vector<std::string> all = processes.gather(description_of(run));
+void require_same_run(Communicator& processes, const Scene& scene, const CheckpointHeader& run) {
+  const std::vector<std::string> all = processes.gather(description_of(scene, run));
   for (std::size_t i = 1; i < all.size(); ++i) {
     if (all[i] == all[0]) continue;
     const auto [first, other] = difference(all[0], all[i]);
-    throw InputError("the processes of this run differ: process 0 has " + first + ", process " +
-                     std::to_string(i) + " has " + other +
-                     "; start the same program with the same plugins on processors of one kind");
+    throw InputError(
+        "the processes of this run differ: process 0 has " + first + ", process " +
+        std::to_string(i) + " has " + other +
+        "; start the same program with the same plugins and files on processors of one kind");
   }
 }
 

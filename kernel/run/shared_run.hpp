@@ -11,7 +11,8 @@ namespace suture {
 void require_shareable(BuiltScene& built);
 
 /// Throws InputError, naming both, unless all processes run the same program and plugins with the
-/// same instruction set on the same scene and mesh: otherwise their bits would differ.
-void require_same_run(Communicator& processes, const CheckpointHeader& run);
+/// same instruction set on the same scene, mesh and files that the scene names: otherwise their
+/// bits would differ.
+void require_same_run(Communicator& processes, const Scene& scene, const CheckpointHeader& run);
 
 }  // namespace suture

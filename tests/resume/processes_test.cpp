@@ -5,7 +5,7 @@
 //   SUTURE_FULL=1              all kinds of scenes; otherwise as many as 30 seconds hold
 //   SUTURE_PROCESSES_SEED=N    these scenes; otherwise others in each run
 //   SUTURE_PROCESSES_CASE=NAME this one alone, "twist-017-0"
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -152,6 +152,42 @@ std::string said_by_two(const fs::path& folder, const std::string& first,
                                  "; else exec \"$0\" run " + second + "; fi"});
   EXPECT_NE(Child(folder, {}, words).wait(), 0);
   return read_text(folder / ".err");
+}
+
+/// Writing a checkpoint for the first time takes process 0 longer than the others wait for each
+/// other. Each process leaves its number in pid.RANK.
+Child with_slow_process_0(const fs::path& folder, const Case& what) {
+  fs::create_directories(folder);
+  write_case(what, folder);
+  std::vector<std::string> words = launcher(2);
+  words.insert(words.end(), {"bash", "-c",
+                             "echo $$ > pid.$OMPI_COMM_WORLD_RANK; "
+                             "if [ $OMPI_COMM_WORLD_RANK = 0 ]; then export LD_PRELOAD=" SLOW_DISK
+                             "; fi; exec \"$0\" run scene.json --threads 1"});
+  return Child(folder, {}, words);
+}
+
+/// Both at once, as they take seconds.
+TEST_F(Together, WaitForProcess0ToWriteWhatStands) {
+  Case what = cut_beam();
+  what.scene["checkpoint"] = {{"every_steps", 1000000000}};
+  what.scene["solver"]["end"] = 1000;
+  what.scene["output"]["every"] = 0.01;
+  const fs::path stopped = folder_ / "stopped", failed = folder_ / "failed";
+  const Child first = with_slow_process_0(stopped, what);
+  what.scene["checkpoint"] = {{"every_steps", 1}, {"keep", 1000}};
+  what.scene["gravity"] = {0, -1e5, 0};
+  const Child other = with_slow_process_0(failed, what);
+  while (!fs::exists(stopped / "out" / "frame_0001.vtu") && !first.has_ended()) usleep(1000);
+  kill(std::stoi(read_text(stopped / "pid.1")), SIGTERM);
+  EXPECT_EQ(first.wait(), 128 + SIGTERM) << read_text(stopped / ".err");
+  EXPECT_THAT(read_text(stopped / ".err"), ::testing::HasSubstr("resume with: "));
+  EXPECT_NE(newest_checkpoint(stopped / "out"), "");
+  EXPECT_EQ(other.wait(), 5) << read_text(failed / ".err");
+  EXPECT_THAT(read_text(failed / ".err"),
+              ::testing::AllOf(::testing::HasSubstr("suture: error: "),
+                               ::testing::Not(::testing::HasSubstr("process 1 of 2"))));
+  EXPECT_NE(newest_checkpoint(failed / "out"), "");
 }
 
 TEST_F(Together, AnErrorOfOneEndsAll) {

@@ -3,6 +3,7 @@
 // The one file that knows MPI.
 #include <mpi.h>
 
+#include <chrono>
 #include <numeric>
 #include <thread>
 
@@ -57,21 +58,24 @@ class MpiCommunicator final : public Communicator {
     return texts;
   }
 
-  bool any(bool mine) override {
-    const int value = mine ? 1 : 0;
-    int largest = 0;
+  int largest(int mine) override {
+    int result = 0;
     MPI_Request request;
-    MPI_Iallreduce(&value, &largest, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD, &request);
+    MPI_Iallreduce(&mine, &result, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD, &request);
     wait(request);
-    return largest != 0;
+    return result;
   }
 
-  bool all_end(std::chrono::milliseconds time) override {
-    MPI_Request request;
-    MPI_Ibarrier(ends_, &request);
+  void meet_error() override {
+    if (error_ == MPI_REQUEST_NULL) MPI_Ibarrier(ends_, &error_);
+  }
+
+  bool all_meet_error() override {
+    const std::chrono::seconds time(error_ == MPI_REQUEST_NULL ? 5 : 60);
+    meet_error();
     const auto last = std::chrono::steady_clock::now() + time;
     int done = 0;
-    while (MPI_Test(&request, &done, MPI_STATUS_IGNORE), done == 0) {
+    while (MPI_Test(&error_, &done, MPI_STATUS_IGNORE), done == 0) {
       if (std::chrono::steady_clock::now() > last) return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
@@ -96,7 +100,8 @@ class MpiCommunicator final : public Communicator {
     std::exclusive_scan(counts.begin(), counts.end(), offsets_.begin(), 0);
   }
 
-  MPI_Comm ends_ = MPI_COMM_NULL;  ///< for all_end(), while others may wait in another call
+  MPI_Comm ends_ = MPI_COMM_NULL;  ///< for errors, while others may wait in another call
+  MPI_Request error_ = MPI_REQUEST_NULL;
   int rank_ = 0, size_ = 1;
   std::vector<int> offsets_;
 };

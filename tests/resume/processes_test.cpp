@@ -89,6 +89,7 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
       }
       fs::remove_all(at);
     }
+  if (only.empty()) EXPECT_GT(shared, 0u);  // 0: the module cannot be loaded
   std::cout << shared << " runs shared, " << refused << " scenes refused\n";
 }
 
@@ -142,10 +143,10 @@ TEST_F(Together, WhatTheyCannotShareIsNamed) {
 }
 
 /// The words of process 1 differ from those of process 0; returns what both say.
-std::string said_by_two(const fs::path& folder, const std::string& first,
-                        const std::string& second) {
+std::string said_by_two(const fs::path& folder, const std::string& first, const std::string& second,
+                        const Case& what = cut_beam()) {
   fs::create_directories(folder);
-  write_case(cut_beam(), folder);
+  write_case(what, folder);
   std::vector<std::string> words = launcher(2);
   words.insert(words.end(), {"bash", "-c",
                              "if [ $OMPI_COMM_WORLD_RANK = 0 ]; then exec \"$0\" run " + first +
@@ -200,6 +201,28 @@ TEST_F(Together, RunsThatDifferAreRefused) {
       said_by_two(folder_ / "run", "scene.json", "scene.json --set /solver/damping=3");
   EXPECT_NE(said.find("the processes of this run differ: process 0 has scene: "), said.npos)
       << said;
+}
+
+TEST_F(Together, FilesThatDifferAreRefused) {
+  Case what = cut_beam();
+  what.scene["constraints"][1] = Json::parse(R"({"where": {"set": "x1"}, "move": {"table": {
+    "file": "pull.csv", "columns": {"time": "t", "x": "x"}, "units": {"length": "m", "time": "s"}}}})");
+  const fs::path at = folder_ / "run";
+  for (const auto& [folder, reach] : {std::pair{"first", "0.1"}, {"other", "0.2"}}) {
+    what.files["pull.csv"] = std::string("t,x\n0,0\n1,") + reach + "\n";
+    write_case(what, at / folder);
+  }
+  const std::string said = said_by_two(at, "first/scene.json", "other/scene.json", what);
+  EXPECT_NE(said.find("the processes of this run differ: process 0 has file pull.csv: "), said.npos)
+      << said;
+}
+
+TEST_F(Together, LaunchersOfAnotherMpiAreRefused) {
+  write_case(cut_beam(), folder_ / "run");
+  const std::vector<std::string> launched{"env", "PMI_SIZE=2", "PMI_RANK=0"};
+  EXPECT_EQ(Child(folder_ / "run", {"run", "scene.json"}, launched).wait(), 3);
+  const std::string said = read_text(folder_ / "run" / ".err");
+  EXPECT_NE(said.find("has started 2 processes, but MPI finds 1"), said.npos) << said;
 }
 
 }  // namespace

@@ -241,8 +241,8 @@ class PlacesInARun : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Of, PlacesInARun,
                          testing::Values("symplectic-euler", "velocity-verlet", "implicit-euler",
                                          "xpbd"),
-                         [](const auto& info) {
-                           std::string name = info.param;
+                         [](const auto& scheme) {
+                           std::string name = scheme.param;
                            std::ranges::replace(name, '-', '_');
                            return name;
                          });

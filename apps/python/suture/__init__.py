@@ -12,7 +12,7 @@ The module contains the same kernel as the program `suture` and gives the same b
 docs/python.md is its guide.
 """
 
-from ._simulation import Change, EmbeddedSurface, Simulation, Surface
+from ._simulation import Change, Simulation
 from ._suture import (
     Error,
     ForceTerm,
@@ -24,6 +24,7 @@ from ._suture import (
     State,
     version as __version__,
 )
+from ._surfaces import EmbeddedSurface, Surface
 
 _later = {  # what needs more than the kernel is imported when it is first used
     "Adjoint": "_gradients",

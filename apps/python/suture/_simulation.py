@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from . import _suture
 from ._scene import set_texts, source_of, to_json
+from ._surfaces import EmbeddedSurface, Surface, surface_arrays
 
 
 class Change(NamedTuple):
@@ -40,28 +41,6 @@ def _one_of(**values):
     return given.popitem()
 
 
-def _surface_arrays(surface):
-    """(vertices, triangles) as checked arrays."""
-    import numpy
-
-    vertices, triangles = (numpy.asarray(part) for part in surface)
-    if vertices.ndim != 2 or vertices.shape[1] != 3:
-        raise ValueError(f"vertices must have the shape (n, 3); has {vertices.shape}")
-    if triangles.ndim != 2 or triangles.shape[1] != 3 or len(triangles) == 0:
-        raise ValueError(f"triangles must have the shape (k, 3), k > 0; has {triangles.shape}")
-    if not numpy.issubdtype(triangles.dtype, numpy.integer):
-        raise TypeError(f"triangles must be integers; their dtype is {triangles.dtype}")
-    if triangles.min() < 0 or triangles.max() >= len(vertices):
-        raise ValueError(
-            f"triangles name vertex {triangles.min() if triangles.min() < 0 else triangles.max()}; "
-            f"there are vertices 0 to {len(vertices) - 1}"
-        )
-    vertices = vertices.astype(float)
-    if not numpy.isfinite(vertices).all():
-        raise ValueError("vertices must be finite")
-    return vertices, triangles.astype(numpy.int64)
-
-
 def _take_mesh(scene, mesh):
     """Takes a Mesh out of a dict."""
     if isinstance(scene, Mapping) and hasattr(scene.get("mesh"), "hexahedra"):
@@ -74,50 +53,6 @@ def _take_mesh(scene, mesh):
         raise TypeError(f"mesh must be a suture.Mesh, is {type(mesh).__name__}; see "
                         "Mesh(points, hexahedra) and Mesh.from_meshio()")
     return scene, mesh
-
-
-class Surface(NamedTuple):
-    """The boundary of a body, with the lips of cuts."""
-
-    points: "numpy.ndarray"
-    """(n, 3) coordinates in the scene, m."""
-    quads: "numpy.ndarray"
-    """(k, 4) int64: numbers of points, counterclockwise as seen from outside."""
-    vertices: "numpy.ndarray"
-    """(n,) int64: the row of every point in the simulation's arrays."""
-    elements: "numpy.ndarray"
-    """(k,) int64: the row of the element of every quad."""
-
-    def values(self, of_vertices):
-        """Those of the points, from an array of one row per vertex."""
-        return of_vertices[self.vertices]
-
-
-class EmbeddedSurface(NamedTuple):
-    """The surface of a body made from a surface, which lies inside its elements, with the lips of
-    cuts. Each point is a combination of vertices."""
-
-    points: "numpy.ndarray"
-    """(n, 3) coordinates in the scene, m."""
-    triangles: "numpy.ndarray"
-    """(k, 3) int64: numbers of points, counterclockwise as seen from outside."""
-    vertices: "numpy.ndarray"
-    """(n, 8) int64: rows of vertices in the simulation's arrays."""
-    weights: "numpy.ndarray"
-    """(n, 8): their weights, 0 for those that are not needed."""
-    elements: "numpy.ndarray"
-    """(k,) int64: the row of the element in which each triangle lies."""
-    laid_open: "numpy.ndarray"
-    """(k,) bool: True where a cut or a removal has laid the inside open."""
-    cut: "numpy.ndarray"
-    """(k,) int64: which cut made the triangle, by its place among the events of the scene; events
-    that were applied during the run follow in their order. -1 where none did."""
-
-    def values(self, of_vertices):
-        """Those of the points, interpolated from an array of one row per vertex."""
-        import numpy
-
-        return numpy.einsum("pn,pn...->p...", self.weights, of_vertices[self.vertices])
 
 
 class Simulation(_suture.Simulation):
@@ -218,7 +153,7 @@ class Simulation(_suture.Simulation):
                 raise ValueError(f"shape must be 'deformed' or 'rest', is {shape!r}")
             if along not in (None, "faces", "blade"):
                 raise ValueError(f"along must be 'faces' or 'blade', is {along!r}")
-            return Change(*self._cut_surface(*_surface_arrays(blade), shape == "rest",
+            return Change(*self._cut_surface(*surface_arrays(blade), shape == "rest",
                                              along and along == "blade"))
         return self._operate("cut", _without_none(**{kind: blade}, along=along), shape)
 

@@ -300,9 +300,9 @@ struct general_part_geometry : general_geometry<R, Q> {
     mat3<R> E;
     vec3<R> H[4];
     for (int c = 0; c < 3; ++c) {
-      const modes<R> rest(this->rest, c);
-      for (int i = 0; i < 3; ++i) E(c, i) = rest.of[i];
-      for (int k = 0; k < 4; ++k) H[k][c] = rest.of[3 + k];
+      const modes<R> at_rest(this->rest, c);
+      for (int i = 0; i < 3; ++i) E(c, i) = at_rest.of[i];
+      for (int k = 0; k < 4; ++k) H[k][c] = at_rest.of[3 + k];
     }
     const mat3<R> inverse_e = inverse(E);
     for (int i = 0; i < 3; ++i) rows_[i] = {R(0.0), R(0.0), R(0.0)};

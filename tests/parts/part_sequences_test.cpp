@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Random sequences of operations on bodies whose elements are parts: planes, discs, balls and tubes
-// divide, elements are removed, sutures take divisions back where they are wanted. After each, the
-// volume, a closed and oriented surface, a valid map and the pieces are right.
+// Random sequences of operations on bodies whose elements are parts: planes, discs, balls and bowls
+// divide, elements are removed, faces are cut, sutures take divisions back where they are wanted.
+// After each, the volume, a closed and oriented surface, a valid map and the pieces are right.
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -76,7 +76,7 @@ struct Sequence {
     box.follow(box.complex.cut(faces));
   }
   void operate() {
-    switch (random() % 9) {
+    switch (random() % 10) {
       case 0:
         cut_plane();
         break;
@@ -92,6 +92,9 @@ struct Sequence {
         break;
       case 5:
         remove();
+        break;
+      case 6:
+        cut_faces();
         break;
       default:
         sew();

@@ -164,8 +164,8 @@ FieldBalance FieldEquation::balance(double time) {
   return balance;
 }
 
-std::string FieldEquation::balance_text() {
-  const FieldBalance b = balance();
+std::string FieldEquation::balance_text(double time) {
+  const FieldBalance b = balance(time);
   const std::string unit = ' ' + unit_of_content();
   std::ostringstream text;
   text << field_.name << ": content " << b.content << unit << "; since the start, " << b.inflow

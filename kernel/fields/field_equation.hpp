@@ -76,13 +76,13 @@ class FieldEquation {
   /// The models have other parameters.
   void forget_models() { stable_ = 0; }
 
-  FieldBalance balance(double time = 0);
+  FieldBalance balance(double time);
   /// Whether models say the energy of which its rates are derivatives.
   bool has_energy() const { return rates_.has(ForceLoop::Part::with_energy); }
   /// When the last path or ramp ends, s.
   double last_change() const;
-  /// "temperature: content 12 J; since the start, 3 J came in, ...".
-  std::string balance_text();
+  /// "temperature: content 12 J; since the start, 3 J came in, ...", at `time`.
+  std::string balance_text(double time);
   /// The unit of its content: "J".
   std::string unit_of_content() const;
 

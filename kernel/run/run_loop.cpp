@@ -381,7 +381,7 @@ void RunLoop::resume(const Checkpoint& checkpoint, const std::filesystem::path& 
   first_step_ = clock_.step();
 }
 
-/// Writes what stands: a step that failed has taken its own back.
+/// Writes the pending records; those of the failed step were dropped.
 void RunLoop::close_failed(Observer& observer) {
   if (processes_) processes_->meet_error();
   report_events(event_report_.finish(), observer);
@@ -430,7 +430,7 @@ void RunLoop::finish(Observer& observer) {
         rounding_warning(built_.dynamics(), scene_.solver.step_tolerance), deep_overlaps(built_)})
     if (!text.empty()) diagnostics_.warn(text);
   for (const std::string& text : notes_on_steps(built_.dynamics())) observer.on_message(text);
-  for (auto& field : built_.body().fields()) observer.on_message(field.balance_text());
+  for (auto& field : built_.body().fields()) observer.on_message(field.balance_text(clock_.time()));
   checkpoints_.finish();
   if (summary_.outcome == RunSummary::Outcome::interrupted && checkpoints_.is_enabled())
     observer.on_message("resume with: suture run --resume " + checkpoints_.newest());

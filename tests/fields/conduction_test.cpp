@@ -66,8 +66,8 @@ TEST_P(Bars, ContentIsKeptWhereNothingEnters) {
   FieldRun run(bar(12, GetParam(), R"("fields": [{"field": "temperature", "start": 310, "where":
       {"box": {"min": [0, 0, 0], "max": [0.3, 1, 1]}}}], "events": [{"at": 0.1, "cut": {"plane":
       {"point": [0.5, 0, 0], "normal": [1, 0.2, 0]}}}])"));
-  const double before = run.equation().balance().content;
-  const FieldBalance after = run.run_to(0.5).equation().balance();
+  const double before = run.balance().content;
+  const FieldBalance after = run.run_to(0.5).balance();
   EXPECT_NEAR(after.content, before, 1e-12 * before);
   EXPECT_NEAR(after.produced, 0, 1e-12 * before);
   EXPECT_NEAR(after.changed, 0, 1e-12 * before);
@@ -76,8 +76,8 @@ TEST_P(Bars, ContentIsKeptWhereNothingEnters) {
 
 TEST_P(Bars, TheBalanceOfAHeatedBarCloses) {
   FieldRun run(bar(12, GetParam(), heated + R"(, "loads": [])"));
-  const double before = run.equation().balance().content;
-  const FieldBalance after = run.run_to(0.5).equation().balance();
+  const double before = run.balance().content;
+  const FieldBalance after = run.run_to(0.5).balance();
   EXPECT_GT(after.inflow, 1);
   EXPECT_NEAR(after.content - before, after.inflow, 1e-11 * before);
 }
@@ -126,8 +126,8 @@ TEST(Conduction, ALinearProfileIsExactOnDistortedElements) {
 TEST(Conduction, AFluxFillsAnInsulatedBar) {
   FieldRun run(bar(8, implicit_steps, R"("fields": [{"field": "temperature", "flux": 8, "where":
       {"set": "x1"}}, {"field": "temperature", "source": -0.25, "where": {"set": "x0"}}])"));
-  const double before = run.equation().balance().content;
-  const FieldBalance after = run.run_to(0.5).equation().balance();
+  const double before = run.balance().content;
+  const FieldBalance after = run.run_to(0.5).balance();
   EXPECT_NEAR(after.inflow, 0.5 * (8 * 0.0625 - 0.25), 1e-9);
   EXPECT_NEAR(after.content - before, after.inflow, 1e-9);
 }

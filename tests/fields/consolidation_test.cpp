@@ -138,7 +138,7 @@ TEST(Consolidation, IsRefusedWithStepsThatDoNotGiveItsRate) {
 TEST(Consolidation, TheBalanceOfTheFluidCloses) {
   FieldRun run(column(20, 1e-2, 1e-7, 1e-7, loaded));
   run.run_to(0.5);
-  const FieldBalance balance = run.equation().balance();
+  const FieldBalance balance = run.balance();
   EXPECT_LT(balance.inflow, 0);  // it flows out
   EXPECT_NEAR(balance.content, balance.inflow + balance.produced, 1e-3 * std::abs(balance.inflow));
 }

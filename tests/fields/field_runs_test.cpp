@@ -39,7 +39,7 @@ TEST_P(Resumed, RunsContinueBitByBit) {
   second.simulation.load(first.run_to(0.003).simulation.save());
   EXPECT_EQ(second.values(), first.values());
   EXPECT_EQ(whole.run_to(0.006).values(), second.run_to(0.006).values());
-  EXPECT_EQ(whole.equation().balance().inflow, second.equation().balance().inflow);
+  EXPECT_EQ(whole.balance().inflow, second.balance().inflow);
 }
 
 TEST(FieldRuns, CutsCopyTheValueAndSeamsWeighByCapacity) {
@@ -51,12 +51,12 @@ TEST(FieldRuns, CutsCopyTheValueAndSeamsWeighByCapacity) {
   EXPECT_EQ(run.simulation.attributes().vertex_count(), 16u);
   const double capacity = 4 * 0.0625 / 3;  // of an element
   run.run_to(0.0995);
-  EXPECT_NEAR(run.equation().balance().content, 293.15 * 3 * capacity - 0.05, 1e-3);
-  const double before = run.equation().balance().content;
+  EXPECT_NEAR(run.balance().content, 293.15 * 3 * capacity - 0.05, 1e-3);
+  const double before = run.balance().content;
   run.run_to(0.1015);
   EXPECT_EQ(run.simulation.complex().existing(0), 16u);
-  EXPECT_NEAR(run.equation().balance().content, before - 0.0005 * 2, 6e-4);
-  EXPECT_NEAR(run.equation().balance().changed, 0, 1e-12 * before);
+  EXPECT_NEAR(run.balance().content, before - 0.0005 * 2, 6e-4);
+  EXPECT_NEAR(run.balance().changed, 0, 1e-12 * before);
 }
 
 /// A bar whose ends are at two temperatures, cut along an oblique plane that its axis lies in.
@@ -88,15 +88,15 @@ TEST(FieldRuns, PartsKeepTheContent) {
   FieldRun run(split_bar(R"({"integrator": "symplectic-euler", "dt": 1e-3, "end": 1})",
                          R"({"field": "temperature", "flux": 200, "where": {"set": "z1"}})"));
   run.run_to(0.5);
-  const FieldBalance balance = run.equation().balance();
+  const FieldBalance balance = run.balance();
   EXPECT_NEAR(balance.content, 4 * 0.0625 * 300 + 0.5 * 200 * 0.25, 1e-9 * balance.content);
 }
 
 TEST(FieldRuns, RemovedElementsTakeTheirContentAlong) {
   FieldRun run(bar(4, R"("integrator": "symplectic-euler", "dt": 1e-3, "end": 1)",
                    R"("events": [{"at": 0.01, "pierce": {"where": {"ids": [3]}}}])"));
-  const double before = run.equation().balance().content;
-  const FieldBalance after = run.run_to(0.02).equation().balance();
+  const double before = run.balance().content;
+  const FieldBalance after = run.run_to(0.02).balance();
   EXPECT_NEAR(after.content, 0.75 * before, 1e-12 * before);
   EXPECT_NEAR(after.changed, -0.25 * before, 1e-12 * before);
 }

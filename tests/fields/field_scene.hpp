@@ -30,6 +30,7 @@ class FieldRun {
   /// max |u(x) - exact(x)| over the vertices.
   double error(const std::function<double(double)>& exact) const;
   FieldEquation& equation() { return simulation.built().body().fields().front(); }
+  FieldBalance balance() { return equation().balance(simulation.time()); }
 
   Diagnostics diagnostics;
   mutable Simulation simulation;

@@ -21,13 +21,11 @@ bool acts_on_lips(const suture_model& model) {
 }
 
 std::vector<Seam> faces_between(const CellComplex& complex, std::span<const Index> a,
-                                std::span<const Index> b) {
-  std::vector<bool> is_in_b(complex.element_count());
-  for (const Index e : b) is_in_b[e] = true;
+                                const std::vector<bool>& is_other) {
   std::vector<Seam> faces;
   for (const Index e : a)
     for (const Dart side : sides_of(e))
-      if (const Dart other = complex.beta3(side); other != none && is_in_b[element_of(other)])
+      if (const Dart other = complex.beta3(side); other != none && is_other[element_of(other)])
         faces.push_back({side, other});
   std::ranges::sort(faces, {}, &Seam::one);
   return faces;

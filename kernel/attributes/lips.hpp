@@ -23,13 +23,20 @@ inline int nodes_of(const suture_functor& functor) {
   return acts_on_lips(functor) ? 8 : nodes_of_cell(static_cast<int>(functor.dimension));
 }
 
-/// The faces that elements of `a` (the first) share with elements of `b`, by ascending faces; no
-/// element may be in both. O(elements).
+/// The faces that elements of `a` (the first) share with those that `is_other` marks, by ascending
+/// faces; no element may be in both. O(elements).
 std::vector<Seam> faces_between(const CellComplex& complex, std::span<const Index> a,
-                                std::span<const Index> b);
+                                const std::vector<bool>& is_other);
 
 /// The faces of all instances that are to be opened at the start of a run, ascending and each once.
 std::vector<Dart> faces_to_open(const Attributes& attributes);
+
+/// The face of the first lip, whose row in the instance's table of faces is that of the pair; none
+/// if its element was removed.
+inline Index face_of_lips(const CellComplex& complex, const Seam& lips) {
+  const Index element = element_of(lips.one);
+  return complex.exists(3, element) ? complex.faces_of(element)[local_face(lips.one)] : none;
+}
 
 /// The pair of lips whose first one is `face`; null if there is none, or if it is not open.
 /// O(log lips).

@@ -162,7 +162,7 @@ void BuiltScene::let_parts_grow() {
         "instead");
   const RestPlaces rest = body_.attributes().rest_places(body_.complex());
   for (Index e = 0; e < body_.complex().element_count(); ++e)
-    if (body_.complex().exists(3, e) && std::ranges::min(corner_jacobians(rest.of(e))) <= 0)
+    if (body_.complex().exists(3, e) && rest_shape(rest.of(e)).inverted)
       throw InputError(path + "element " + std::to_string(element_name(e)) +
                        " has a corner Jacobian <= 0, so that a part of it could have a negative "
                        "mass; a blade may divide elements with positive Jacobians only. Mend the "
@@ -212,15 +212,14 @@ std::vector<Index> BuiltScene::add_lips(Instance& instance, const ModelUse& use)
   const std::string path = use.path + "/between: ";
   if (scene_.solver.sleep_acceleration > 0)
     throw InputError(path + "needs a run without sleep; remove \"sleep\" in /solver");
-  const std::vector<Index> a = selector_.elements((*use.between)[0]),
-                           b = selector_.elements((*use.between)[1]);
-  std::vector<bool> is_in_b(body_.complex().element_count());
-  for (const Index e : b) is_in_b[e] = true;
-  const auto common = std::ranges::find_if(a, [&](Index e) { return is_in_b[e]; });
-  if (common != a.end())
+  const std::vector<Index> one = selector_.elements((*use.between)[0]);
+  std::vector<bool> is_other(body_.complex().element_count());
+  for (const Index e : selector_.elements((*use.between)[1])) is_other[e] = true;
+  const auto common = std::ranges::find_if(one, [&](Index e) { return is_other[e]; });
+  if (common != one.end())
     throw InputError(path + "element " + std::to_string(element_name(*common)) +
                      " is in both regions, which must have no element in common");
-  instance.lips = faces_between(body_.complex(), a, b);
+  instance.lips = faces_between(body_.complex(), one, is_other);
   if (instance.lips.empty())
     throw InputError(path + "no element of one region has a face in the other");
   std::vector<Index> region;

@@ -62,9 +62,8 @@ RowNodes::RowNodes(const Instance& instance, const suture_functor& functor, cons
 
 void RowNodes::read_lips(const CellComplex& complex) {
   for (const Seam& lips : instance_.lips) {
-    if (!complex.exists(3, element_of(lips.one))) continue;
-    const Index face = complex.faces_of(element_of(lips.one))[local_face(lips.one)];
-    if (lips_at(instance_, complex, face) == nullptr) continue;
+    const Index face = face_of_lips(complex, lips);
+    if (face == none || lips_at(instance_, complex, face) == nullptr) continue;
     Index* const nodes = nodes_.data() + cells_.row(face) * node_count_;
     const FunctorCorners corners = corners_of(lips);
     for (std::size_t n = 0; n < node_count_; ++n)

@@ -46,8 +46,7 @@ std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
   };
   if (acts_on_lips(functor.functor()))
     for_each_lips_of(functor.instance(), elements, [&](const Seam& lips) {
-      if (complex.exists(3, element_of(lips.one)))
-        add(complex.faces_of(element_of(lips.one))[local_face(lips.one)]);
+      if (const Index face = face_of_lips(complex, lips); face != none) add(face);
     });
   else
     for (const Index e : elements)

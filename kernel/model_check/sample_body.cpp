@@ -108,7 +108,8 @@ void SampleBody::add_model(const suture_model& model, std::vector<Index> element
     elements = !options_.halves ? std::vector<Index>{0, 2, 4, 6}
                : is_second      ? std::vector<Index>{2, 6}
                                 : std::vector<Index>{0, 4};
-    instance->lips = faces_between(body_.complex(), elements, std::vector<Index>{1, 3, 5, 7});
+    instance->lips = faces_between(body_.complex(), elements,
+                                   {false, true, false, true, false, true, false, true});
   }
   body_.attributes().add(std::move(instance), body_.complex(), std::move(elements));
 }

@@ -7,8 +7,8 @@
 namespace suture {
 
 void BlockLists::find(const CellComplex& complex) {
-  lists_.assign((complex.element_count() + elements_ - 1) / elements_, {});
-  std::vector<Index> listed((complex.count(0) + vertices_ - 1) / vertices_, none);
+  lists_.assign(blocks_of(complex.element_count(), elements_), {});
+  std::vector<Index> listed(blocks_of(complex.count(0), vertices_), none);
   const auto add_corners = [&](Index block, Index element) {
     for (const Index v : complex.vertices_of(element))
       if (std::exchange(listed[v / vertices_], block) != block)
@@ -34,7 +34,7 @@ void BlockLists::add(const CellComplex& complex, Index seer, Index seen) {
 
 /// New elements, and those that see them; new corners of elements.
 void BlockLists::follow(const CellComplex& complex, const TopologyChange& change) {
-  lists_.resize((complex.element_count() + elements_ - 1) / elements_);
+  lists_.resize(blocks_of(complex.element_count(), elements_));
   const auto for_each_neighbour = [&](Index element, auto visit) {
     for (int f = 0; f < hexahedron::faces; ++f)
       if (const Index n = complex.neighbour(element, f); n != none) visit(n);

@@ -7,6 +7,11 @@
 
 namespace suture {
 
+/// The number of blocks of `size` that hold `count` entries.
+constexpr Index blocks_of(std::size_t count, Index size) {
+  return static_cast<Index>((count + size - 1) / size);
+}
+
 /// By block of consecutive elements, the blocks of consecutive vertices in which the corners of its
 /// elements and of their neighbours are, each once.
 ///

@@ -19,6 +19,11 @@ namespace suture {
 struct Places {
   const double* rows;
   std::size_t stride = 4;
+
+  Vec3 at(Index v) const {
+    const double* x = rows + stride * v;
+    return {x[0], x[1], x[2]};
+  }
 };
 
 /// Three coordinates, padded to 32 bytes.

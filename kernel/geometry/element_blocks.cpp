@@ -11,17 +11,10 @@ namespace {
 /// 32 eps.
 constexpr double rounding = 1e-14;
 
-Index blocks_of(Index count) { return (count + ElementBlocks::size - 1) / ElementBlocks::size; }
-
-Vec3 place_of(const Places& places, Index v) {
-  const double* x = places.rows + places.stride * v;
-  return {x[0], x[1], x[2]};
-}
-
 }  // namespace
 
 ElementBlocks::ElementBlocks(const CellComplex& complex, const Places& places)
-    : boxes_(blocks_of(complex.count(0))) {
+    : boxes_(blocks_of(complex.count(0), size)) {
   read(0, complex.count(0), places);
   lists_.find(complex);
 }
@@ -29,7 +22,7 @@ ElementBlocks::ElementBlocks(const CellComplex& complex, const Places& places)
 void ElementBlocks::read(Index first, Index last, const Places& places) {
   for (Index begin = first; begin < last; begin += size) {
     Box box = no_box;
-    for (Index v = begin; v < std::min(begin + size, last); ++v) include(box, place_of(places, v));
+    for (Index v = begin; v < std::min(begin + size, last); ++v) include(box, places.at(v));
     boxes_[begin / size] = box;
   }
 }
@@ -37,8 +30,8 @@ void ElementBlocks::read(Index first, Index last, const Places& places) {
 /// Vertices that were split or have met.
 void ElementBlocks::follow(const CellComplex& complex, const TopologyChange& change,
                            const Places& places) {
-  boxes_.resize(blocks_of(complex.count(0)), no_box);
-  for (const Index v : change.stars[0].cells) include(boxes_[v / size], place_of(places, v));
+  boxes_.resize(blocks_of(complex.count(0), size), no_box);
+  for (const Index v : change.stars[0].cells) include(boxes_[v / size], places.at(v));
   lists_.follow(complex, change);
 }
 

@@ -15,8 +15,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 constexpr Index per_box = TissueBlocks::vertices_size;
 
-std::size_t blocks_of(std::size_t count, Index size) { return (count + size - 1) / size; }
-
 /// One bit for each side of `box` beyond which all of both others lie.
 std::uint8_t sides_beyond(const Box& box, const Box& one, const Box& other) {
   unsigned code = 0;

@@ -35,6 +35,12 @@ struct scalar_gradients {
     }
   }
   scalar_gradients() = default;
+  static SUTURE_INLINE scalar_gradients zero() {
+    scalar_gradients s;
+    for (T(&axis)[4] : s.along)
+      for (T& value : axis) value = T(0.0);
+    return s;
+  }
 
   SUTURE_INLINE T& at(int d, int i, int j, int k) {
     const int place[3] = {j + 2 * k, i + 2 * k, i + 2 * j};
@@ -58,26 +64,34 @@ struct scalar_gradients {
   }
 };
 
+/// r_n = - sum over points of grad N_n . k grad u. add(gradient, det J) may change what stands for
+/// det J grad u at each of them.
+template <class T, class R, class K, class Add>
+SUTURE_INLINE void diffuse_at_points(const vec3<R> (&X)[8], const T (&u)[8], const K& k, T (&r)[8],
+                                     const Add& add) {
+  const axis_values<R, 2> rest = gradients<2>(X);
+  scalar_gradients<T> g(u), s = scalar_gradients<T>::zero();
+  for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
+    const mat3<R> J = rest.at(i, j, q), cof = cofactor(J);
+    const R measure = dot(J.column[0], cof.column[0]);
+    const R weight = common_weight<2> * reciprocal(measure);
+    vec3<T> gradient{T(0.0), T(0.0), T(0.0)};
+    for (int d = 0; d < 3; ++d)
+      for (int c = 0; c < 3; ++c) gradient[c] += g.at(d, i, j, q) * cof(c, d);
+    add(gradient, measure);
+    for (int d = 0; d < 3; ++d)
+      for (int c = 0; c < 3; ++c) s.at(d, i, j, q) += (k * weight) * (gradient[c] * cof(c, d));
+  });
+  s.scatter(r);
+}
+
 }  // namespace detail
 
 /// r_n = - integral of grad N_n . k grad u over the hexahedron at rest X, by 2 x 2 x 2 points. They
 /// add up to zero.
 template <class T, class R, class K>
 SUTURE_INLINE void diffusion_rates(const vec3<R> (&X)[8], const T (&u)[8], const K& k, T (&r)[8]) {
-  const axis_values<R, 2> rest = gradients<2>(X);
-  detail::scalar_gradients<T> g(u), s;
-  for (T(&axis)[4] : s.along)
-    for (T& value : axis) value = T(0.0);
-  for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
-    const mat3<R> J = rest.at(i, j, q), cof = cofactor(J);
-    const R weight = common_weight<2> * reciprocal(dot(J.column[0], cof.column[0]));
-    vec3<T> gradient{T(0.0), T(0.0), T(0.0)};  // times det J
-    for (int d = 0; d < 3; ++d)
-      for (int c = 0; c < 3; ++c) gradient[c] += g.at(d, i, j, q) * cof(c, d);
-    for (int d = 0; d < 3; ++d)
-      for (int c = 0; c < 3; ++c) s.at(d, i, j, q) += (k * weight) * (gradient[c] * cof(c, d));
-  });
-  s.scatter(r);
+  detail::diffuse_at_points(X, u, k, r, [](vec3<T>&, const R&) {});
 }
 
 namespace detail {
@@ -93,13 +107,13 @@ struct diffusion_metric {
       for (int e = 0; e < 3; ++e) of[d][e] = (k * weight) * dot(cof.column[d], cof.column[e]);
   }
   template <class T>
-  SUTURE_INLINE void apply(scalar_gradients<T>& g, scalar_gradients<T>& s) const {
-    for (T(&axis)[4] : s.along)
-      for (T& value : axis) value = T(0.0);
+  SUTURE_INLINE scalar_gradients<T> flows(scalar_gradients<T>& g) const {
+    auto s = scalar_gradients<T>::zero();
     for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
       for (int d = 0; d < 3; ++d)
         for (int e = 0; e < 3; ++e) s.at(d, i, j, q) += of[d][e] * g.at(e, i, j, q);
     });
+    return s;
   }
 };
 
@@ -109,9 +123,8 @@ struct diffusion_metric {
 template <class T, class R, class K>
 SUTURE_INLINE void diffusion_rates_of_parallelepiped(const vec3<R> (&X)[8], const T (&u)[8],
                                                      const K& k, T (&r)[8]) {
-  detail::scalar_gradients<T> g(u), s;
-  detail::diffusion_metric<R, K>(X, k).apply(g, s);
-  s.scatter(r);
+  detail::scalar_gradients<T> g(u);
+  detail::diffusion_metric<R, K>(X, k).flows(g).scatter(r);
 }
 
 /// The same in one of which only a part is material, as part_geometry: the difference between the
@@ -129,13 +142,13 @@ SUTURE_INLINE void diffusion_rates_of_part(const vec3<R> (&X)[8], const T (&u)[8
       shift[d][n] = sign(d) * (R(4 * sign(a)) * part.first[a] + R(4 * sign(b)) * part.first[b] +
                                R(16 * sign(a) * sign(b)) * part.second[d]);
     }
-  detail::scalar_gradients<T> g(u), s;
+  detail::scalar_gradients<T> g(u);
   for (int d = 0; d < 3; ++d) {
     T more(0.0);
     for (int n = 0; n < 8; ++n) more += shift[d][n] * u[n];
     for (T& along : g.along[d]) along += more;
   }
-  detail::diffusion_metric<R, K>(X, k).apply(g, s);
+  const auto s = detail::diffusion_metric<R, K>(X, k).flows(g);
   s.scatter(r);
   for (int n = 0; n < 8; ++n) {
     for (int d = 0; d < 3; ++d)
@@ -165,22 +178,11 @@ SUTURE_INLINE void diffusion_rates_of_part(const vec3<R> (&X)[8], const T (&u)[8
   vec3<T> more{T(0.0), T(0.0), T(0.0)}, flow = more;
   for (int n = 0; n < 8; ++n)
     for (int c = 0; c < 3; ++c) more[c] += D[n][c] * u[n];
-  const axis_values<R, 2> rest = gradients<2>(X);
-  detail::scalar_gradients<T> g(u), s;
-  for (T(&axis)[4] : s.along)
-    for (T& value : axis) value = T(0.0);
-  for_each_point<2>([&](int i, int j, int q) SUTURE_DETAIL_INLINED {
-    const mat3<R> J = rest.at(i, j, q), cof = cofactor(J);
-    const R volume = dot(J.column[0], cof.column[0]);
-    const R weight = common_weight<2> * reciprocal(volume);
-    vec3<T> gradient = more * volume;  // times det J
-    for (int d = 0; d < 3; ++d)
-      for (int c = 0; c < 3; ++c) gradient[c] += g.at(d, i, j, q) * cof(c, d);
-    flow += gradient * (k * common_weight<2>);
-    for (int d = 0; d < 3; ++d)
-      for (int c = 0; c < 3; ++c) s.at(d, i, j, q) += (k * weight) * (gradient[c] * cof(c, d));
-  });
-  s.scatter(r);
+  detail::diffuse_at_points(X, u, k, r,
+                            [&](vec3<T>& gradient, const R& measure) SUTURE_DETAIL_INLINED {
+                              gradient += more * measure;
+                              flow += gradient * (k * common_weight<2>);
+                            });
   for (int n = 0; n < 8; ++n) {
     for (int c = 0; c < 3; ++c) r[n] -= D[n][c] * flow[c];
     r[n] = part.fraction * r[n];

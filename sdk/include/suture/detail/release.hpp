@@ -74,9 +74,7 @@ struct release_functor : on_volumes {
   [[gnu::noinline]] static void rate(const Cell& c) {
     using T = typename Cell::scalar;
     T r[8], source[8];
-    scalar_gradients<T> flows;
-    for (T(&axis)[4] : flows.along)
-      for (T& sum : axis) sum = T(0.0);
+    auto flows = scalar_gradients<T>::zero();
     for_points(c, [&](int i, int j, int k, const auto& weight, const auto& inverse, const auto& F,
                       const auto& at) SUTURE_DETAIL_INLINED {
       const released<T> out = M::release(F, material<M>(c), at);

@@ -73,6 +73,7 @@ SUTURE_PLUGIN("@id@", "1.0", "MIT", "Pressure on the boundary", @Struct@)
 )model";
 
 const std::string_view constraint = R"model(// SPDX-License-Identifier: MIT
+#include "suture/hexahedron.hpp"
 #include "suture/model.hpp"
 
 /// A constraint C = 0 on each element, here that it keeps its volume. Its energy is C^2 / (2 a) with
@@ -88,25 +89,22 @@ struct @Struct@ : suture::model, suture::on_volumes {
   static constexpr auto reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
 
   static constexpr double side(int node, int axis) { return (node >> axis & 1) ? 1 : -1; }
-  /// dV/dx of the mean edges A: V = A0 . (A1 x A2), A_a = sum of side_a x / 4.
+  /// The volume of the parallelepiped with the element's mean edges A: V = A0 . (A1 x A2).
   template <class T>
   struct Volume {
-    suture::vec3<T> across[3];  // A1 x A2, A2 x A0, A0 x A1
+    suture::mat3<T> across;  // columns A1 x A2, A2 x A0, A0 x A1
     T value;
-    suture::vec3<T> gradient(int n) const {
-      return 0.25 * (side(n, 0) * across[0] + side(n, 1) * across[1] + side(n, 2) * across[2]);
+    suture::vec3<T> gradient(int n) const {  // dV/dx_n
+      const auto& a = across.column;
+      return 0.25 * (side(n, 0) * a[0] + side(n, 1) * a[1] + side(n, 2) * a[2]);
     }
   };
   template <class T, class Place>
   static Volume<T> volume(Place place) {
-    suture::vec3<T> edge[3] = {0.25 * (place(1) - place(0)), 0.25 * (place(2) - place(0)),
-                               0.25 * (place(4) - place(0))};
-    for (int n = 2; n < 8; n += 2) edge[0] += 0.25 * (place(n + 1) - place(n));
-    for (int n : {1, 4, 5}) edge[1] += 0.25 * (place(n + 2) - place(n));
-    for (int n : {1, 2, 3}) edge[2] += 0.25 * (place(n + 4) - place(n));
-    Volume<T> v{{cross(edge[1], edge[2]), cross(edge[2], edge[0]), cross(edge[0], edge[1])}, T(0.0)};
-    v.value = dot(edge[0], v.across[0]);
-    return v;
+    suture::vec3<T> x[8];
+    for (int n = 0; n < 8; ++n) x[n] = place(n);
+    const auto edges = suture::mean_edges(x), across = cofactor(edges);
+    return {across, dot(edges.column[0], across.column[0])};
   }
   template <class Cell>
   static auto now(const Cell& c) {

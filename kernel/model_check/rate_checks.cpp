@@ -184,9 +184,9 @@ Result coupling(const BodyCase& of) {
   const auto rates = [&] {
     AlignedVector<double> rows(std::size_t{attributes.vertex_count()} * 4);
     field.rates().add_forces(time, 0, ForceLoop::Part::all, rows.data());
-    std::vector<double> rates;
-    for (std::size_t i = 0; i < rows.size(); i += 4) rates.push_back(rows[i]);
-    return rates;
+    std::vector<double> values;
+    for (std::size_t i = 0; i < rows.size(); i += 4) values.push_back(rows[i]);
+    return values;
   };
   std::mt19937_64 random(of.sample.options().seed);
   const std::size_t count = attributes.vertex_count();

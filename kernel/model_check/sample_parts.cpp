@@ -65,9 +65,9 @@ void add_material(Parts& parts, Index element) {
 /// cof(J) dN/dx of N = (1 +- x)(1 +- y)(1 +- z) / 8: the gradient in the element, times det J.
 Vec3 gradient(int node, const Vec3& x, const std::array<Vec3, 8>& rest) {
   const auto slope = [&](Index n, std::size_t a) {
-    double slope = 0.125;
-    for (std::size_t b = 0; b < 3; ++b) slope *= a == b ? sign(n, b) : 1 + sign(n, b) * x[b];
-    return slope;
+    double product = 0.125;
+    for (std::size_t b = 0; b < 3; ++b) product *= a == b ? sign(n, b) : 1 + sign(n, b) * x[b];
+    return product;
   };
   std::array<Vec3, 3> J{};  // columns
   for (Index n = 0; n < 8; ++n)

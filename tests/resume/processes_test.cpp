@@ -89,7 +89,9 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
       }
       fs::remove_all(at);
     }
-  if (only.empty()) EXPECT_GT(shared, 0u);  // 0: the module cannot be loaded
+  if (only.empty()) {
+    EXPECT_GT(shared, 0u) << "the module cannot be loaded";
+  }
   std::cout << shared << " runs shared, " << refused << " scenes refused\n";
 }
 

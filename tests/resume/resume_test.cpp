@@ -7,6 +7,7 @@
 //   SUTURE_RESUME_OUT=FOLDER keeps the files of those that fail
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
@@ -64,6 +65,11 @@ class Stops {
       ADD_FAILURE() << "not run: " << whole_.end;
       return;
     }
+    const auto reports = [&](const std::string& message) {
+      return message.find(case_.reports) != std::string::npos;
+    };
+    if (!case_.reports.empty())
+      EXPECT_TRUE(std::ranges::any_of(whole_.messages, reports)) << story() << case_.reports;
     switch (way_) {
       case 0:
         return pass_by();

@@ -54,7 +54,7 @@ words() {
 # A reader that stops early ends the writer by SIGPIPE, and with it, sometimes, a script that has
 # set pipefail.
 pipes() {
-  offences '\| *(he''ad|grep -[A-Za-z]*q)' \
+  offences '\| *(he''ad\b|grep -[A-Za-z]*q)' \
     'under pipefail, read into an array (mapfile) or from a substitution' '\.sh$|^dev$|^\.ci/'
 }
 

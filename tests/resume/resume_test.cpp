@@ -68,8 +68,9 @@ class Stops {
     const auto reports = [&](const std::string& message) {
       return message.find(case_.reports) != std::string::npos;
     };
-    if (!case_.reports.empty())
+    if (!case_.reports.empty()) {
       EXPECT_TRUE(std::ranges::any_of(whole_.messages, reports)) << story() << case_.reports;
+    }
     switch (way_) {
       case 0:
         return pass_by();

@@ -60,7 +60,7 @@ void deform(CellBatch& batch, std::uint64_t seed) {
   std::array<Vec3, 3> F{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   for (Vec3& row : F)
     for (double& x : row) x += between(random, -0.1, 0.1);
-  for (std::size_t n = 0; n < 8; ++n)
+  for (std::size_t n = 0; n < hexahedron::vertices; ++n)
     for (std::size_t l = 0; l < SUTURE_LANES; ++l) {
       const Vec3 x = rotated(F, vector_of_node(batch.rest, n, l));
       for (std::size_t c = 0; c < 3; ++c) batch.position[CellBatch::place(n, c, l)] = x[c];
@@ -72,7 +72,7 @@ void deform(CellBatch& batch, std::uint64_t seed) {
 std::array<Vec3, 3> stress_of(const Values& force, const Values& rest, std::size_t lane) {
   const double volume = hexahedron_volume(nodes_of(rest, lane));
   std::array<Vec3, 3> P{};
-  for (std::size_t n = 0; n < 8; ++n) {
+  for (std::size_t n = 0; n < hexahedron::vertices; ++n) {
     const Vec3 f = vector_of_node(force, n, lane);
     const Vec3 X = minus(vector_of_node(rest, n, lane), vector_of_node(rest, 0, lane));
     for (std::size_t i = 0; i < 3; ++i)
@@ -99,7 +99,7 @@ Result patch(const BatchCase& of) {
     const std::array<Vec3, 3> P = stress_of(forces, batch.rest, l);
     const HexahedronNodes rest = nodes_of(batch.rest, l);
     double size = 0, difference = 0;
-    for (int n = 0; n < 8; ++n) {
+    for (int n = 0; n < hexahedron::vertices; ++n) {
       const Vec3 gradient = integral_of_gradient(batch.ids[l], n, rest);
       const Vec3 expected{-dot(P[0], gradient), -dot(P[1], gradient), -dot(P[2], gradient)};
       size = std::max(size, norm(expected));

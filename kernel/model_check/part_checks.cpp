@@ -54,7 +54,7 @@ CellBatch whole(const CellBatch& parts, const suture_functor& functor) {
   return batch;
 }
 
-/// A homogeneous deformation, without motion.
+/// A homogeneous deformation, without motion, where fields have the value of the first node.
 void deform(CellBatch& batch, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::array<Vec3, 3> F{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -66,6 +66,10 @@ void deform(CellBatch& batch, std::uint64_t seed) {
       for (std::size_t c = 0; c < 3; ++c) batch.position[CellBatch::place(n, c, l)] = x[c];
     }
   std::ranges::fill(batch.velocity, 0.0);
+  for (Values& column : batch.vertex_columns) {
+    const std::size_t size = column.size() / batch.nodes();
+    for (std::size_t i = size; i < column.size(); ++i) column[i] = column[i - size];
+  }
 }
 
 /// P of an element in a homogeneous state: the virial of its forces, -sum f_n x X_n / V.
@@ -88,7 +92,9 @@ std::array<Vec3, 3> stress_of(const Values& force, const Values& rest, std::size
 // body. P is that of whole elements in the same state.
 Result patch(const BatchCase& of) {
   const suture_functor* const functor = functor_of_whole(of.instance, of.batch.functor);
-  if (functor == nullptr || (of.instance.model().flags & SUTURE_CONTINUUM) == 0) return {};
+  if (functor == nullptr || functor->field != 0 ||
+      (of.instance.model().flags & SUTURE_CONTINUUM) == 0)
+    return {};
   CellBatch batch = of.batch;
   deform(batch, of.seed);
   BatchCaller caller(of.instance);

@@ -192,7 +192,8 @@ void SampleBody::vary_fields() {
     const double initial = field.values->spec().initial;
     const double amount = 0.02 * std::max(1.0, std::abs(initial));
     for (Index v = 0; v < field.values->size(); ++v)
-      field.values->set(v, 0, initial + between(random, -amount, amount));
+      for (int c = 0; c < field.values->spec().components; ++c)
+        field.values->set(v, c, initial + between(random, -amount, amount));
   }
 }
 

@@ -120,7 +120,8 @@ def limits_of(scene):
 # What the scenes of docs do not contain. The reader looks at all of it, however little sense it makes.
 rest = {
     "mesh": {"voxels": {}},
-    "models": [{"region": {"plane": {}}}],
+    "models": [{"model": "heat", "region": {"plane": {}}, "parameters": {}}],
+    "fields": [{"field": "none of a model"}],
     "gravity": {"value": [0, 0, -9.81], "ramp": {"to": 1}},
     "constraints": [{"where": "all", "move": {"rotation": {}}}],
     "events": [{"when": {"where": "all"}, "cut": {"plane": {}}},

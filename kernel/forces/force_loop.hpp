@@ -79,6 +79,9 @@ class ForceLoop final : public ForceTerm,
 
   /// Stored energy of all functors that have one, J. Summed in a fixed order.
   double energy(double time) override;
+  /// What functors dissipate (suture.dissipation/1), W; and whether an enabled one says so.
+  double dissipation(double time);
+  bool has_dissipation() const;
   /// A pass of position based dynamics over all cells (force_loop_project.cpp).
   struct Projection {
     double time = 0, dt = 0;       ///< at the end of the step, and its length, s

@@ -37,11 +37,12 @@ because it leaves out the shear.
 formula. TM approaches the reference from below, as a conforming element does.
 """
 
-SCHEMES = """The same for the schemes that compute motion. The step of each is the one whose run costs as much CPU time as explicit
-steps do. Position based dynamics (`xpbd`) is too soft by what its steps leave out of the stiffness. Implicit Euler rests
+SCHEMES = """The same for the schemes that compute motion. The step of each is chosen so that its run costs about as much CPU time as
+explicit steps do. Position based dynamics (`xpbd`) is too soft by what its steps leave out of the stiffness. Implicit Euler rests
 where its forces do, whatever its step is, solved or on a budget of 10 iterations.
+"""
 
-{note}.
+SAME_SCHEMES = """The same schemes at equal time.
 """
 
 EQUILIBRIA = """## Fig. 7: both equilibria
@@ -116,10 +117,10 @@ def sample(rows):
     return {"rows": [r for r in rows if any(abs(r["t, s"] - t) < 1e-9 for t in (0.1, 0.5, 1, 2))]}
 
 
-def schemes_text(tables, figure):
+def schemes_text(tables, figure, introduction=SAME_SCHEMES):
     """The schemes at equal time, where they were run."""
     table = tables.get(f"{figure}, schemes")
-    return table and SCHEMES.format(note=table["note"][0].upper() + table["note"][1:]) + "\n" + table_text(table) + "\n"
+    return table and f"{introduction}\n{table['note'][0].upper()}{table['note'][1:]}.\n\n{table_text(table)}\n"
 
 
 def tables_of(file):
@@ -180,7 +181,7 @@ def main():
     liver_picture = save(docs, "paper-liver")
     parts = [HEAD + machine_text(file, data["machine"]),
              BEAM, f"![deflection of the axis]({beam_picture})\n", table_text(tables["Fig. 6"]) + "\n",
-             schemes_text(tables, "Fig. 6"), EQUILIBRIA, schemes_text(tables, "Fig. 7"),
+             schemes_text(tables, "Fig. 6", SCHEMES), EQUILIBRIA, schemes_text(tables, "Fig. 7"),
              LIVER, f"![stress over time]({liver_picture})\n", table_text(sample(liver)) + "\n",
              schemes_text(tables, "Fig. 14"), SMALL, table_text(tables["power law, one element"]) + "\n",
              RANGE, table_text(tables["power law, block"]) + "\n",

@@ -22,7 +22,7 @@ struct Operation {
   };
   Kind kind;
   std::vector<Index> numbers;
-  /// Of `clone`, as in Cloning: darts in pairs, darts, elements and the copies that absorb them in
+  /// For `clone`, as in Cloning: darts in pairs, darts, elements and the copies that absorb them in
   /// pairs.
   std::vector<Index> seams{}, cut{}, absorbed{};
   bool operator==(const Operation&) const = default;

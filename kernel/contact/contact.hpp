@@ -183,7 +183,6 @@ class Contact final : public ContactLaw {
   /// A place in pushed_, and the first place in near_ of what shares vertices with it.
   struct Grouped {
     std::size_t group, place;
-    auto operator<=>(const Grouped&) const = default;
   };
   /// What obstacles have changed in the velocity of a vertex or point, and what it was then, m/s.
   struct Pushed {

@@ -2,6 +2,7 @@
 // A step in which obstacles push the points of an embedded surface. Points share vertices: they are
 // pushed one after the other, in sweeps, until none moves.
 #include <algorithm>
+#include <numeric>
 
 #include "kernel/contact/contact.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
@@ -78,10 +79,14 @@ void Contact::group_points() {
   for (std::size_t i = 0; i < pushed_.size(); ++i)
     for (std::size_t j = 1; j < point_masses_[i].point().vertices.size(); ++j)
       sets.unite(near_of(i, 0), near_of(i, j));
-  grouped_.clear();
-  for (std::size_t i = 0; i < pushed_.size(); ++i)
-    grouped_.push_back({sets.find(near_of(i, 0)), i});
-  std::ranges::sort(grouped_);
+  std::vector<std::size_t> first(near_.size() + 1, 0);  // of each group, in grouped_
+  for (std::size_t i = 0; i < pushed_.size(); ++i) ++first[sets.find(near_of(i, 0)) + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  grouped_.resize(pushed_.size());
+  for (std::size_t i = 0; i < pushed_.size(); ++i) {
+    const std::size_t group = sets.find(near_of(i, 0));
+    grouped_[first[group]++] = {group, i};
+  }
 }
 
 /// By sweeps of Gauss and Seidel, after each of which the pushes go on in the direction of the last

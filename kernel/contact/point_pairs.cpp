@@ -70,6 +70,22 @@ void PointPairs::find_near() {
       if (may_touch(p, t)) near_.push_back({p, t});
   }
   sort_unique(near_);
+  find_around_near();
+}
+
+/// The normals of near points need all triangles around them, and pairs those of near triangles:
+/// all that find_normals() visits in a step.
+void PointPairs::find_around_near() {
+  is_near_.assign(points_.size(), 0);
+  std::vector<std::uint8_t> is_around(points_.triangles().size(), 0);
+  for (const auto& [point, triangle] : near_) is_near_[point] = is_around[triangle] = 1;
+  around_near_.clear();
+  for (Index t = 0; t < is_around.size(); ++t) {
+    const auto& corners = points_.triangles()[t];
+    if (is_around[t] != 0 ||
+        std::ranges::any_of(corners, [&](Index p) { return is_near_[p] != 0; }))
+      around_near_.push_back(t);
+  }
 }
 
 /// Within a piece, lips touch lips, and not what was behind them at rest, where only material is in
@@ -92,11 +108,13 @@ bool PointPairs::may_touch(Index point, Index triangle) const {
 
 void PointPairs::find_normals() {
   areas_.resize(points_.triangles().size());
-  normals_.assign(points_.size(), {});
-  for (std::size_t t = 0; t < areas_.size(); ++t) {
+  normals_.resize(points_.size());
+  for (const Near& near : near_) normals_[near.point] = {};
+  for (const Index t : around_near_) {
     const auto& [a, b, c] = points_.triangles()[t];
     areas_[t] = cross(minus(place(b), place(a)), minus(place(c), place(a)));
-    for (const Index p : {a, b, c}) normals_[p] = plus(normals_[p], areas_[t]);
+    for (const Index p : {a, b, c})
+      if (is_near_[p] != 0) normals_[p] = plus(normals_[p], areas_[t]);
   }
 }
 

@@ -97,6 +97,7 @@ class PointPairs {
   void find_pieces();
   bool has_moved() const;
   void find_near();
+  void find_around_near();
   bool may_touch(Index point, Index triangle) const;
   void find_normals();
   void add_nearest(std::span<const Near> of_point, const LiveMask* moving);
@@ -114,10 +115,13 @@ class PointPairs {
   // Since the last operation.
   std::vector<Index> piece_of_;  ///< by point
   // From the last search:
-  std::vector<Vec3> searched_at_;  ///< by point
-  std::vector<Near> near_;         ///< ascending
+  std::vector<Vec3> searched_at_;      ///< by point
+  std::vector<Near> near_;             ///< ascending
+  std::vector<std::uint8_t> is_near_;  ///< by point: of those
+  std::vector<Index> around_near_;     ///< triangles of those, or at their points; ascending
   // In the step:
-  std::vector<Vec3> areas_, normals_;  ///< by triangle and by point; not of unit length
+  /// By triangle and by point; not of unit length. Of those that are near each other.
+  std::vector<Vec3> areas_, normals_;
   std::vector<Pair> pairs_;
   std::vector<Index> vertices_;
   std::vector<double> weights_;

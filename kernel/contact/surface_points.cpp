@@ -88,11 +88,6 @@ PointMass::PointMass(const ContactPoint& point, Attributes& attributes, const Li
   }
 }
 
-bool PointMass::is_held(Index vertex, unsigned component) const {
-  if (moving_ && !(*moving_)[vertex]) return true;
-  return (static_cast<unsigned>(attributes_->fixed().rows()[vertex]) >> component & 1) != 0;
-}
-
 void PointMass::change(const Vec3& velocity, double dt) const {
   const double* mass = attributes_->mass().rows();
   for (std::size_t i = 0; i < point_.vertices.size(); ++i) {

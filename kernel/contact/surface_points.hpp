@@ -101,7 +101,10 @@ class PointMass {
   void change(const Vec3& velocity, double dt) const;
 
  private:
-  bool is_held(Index vertex, unsigned component) const;
+  bool is_held(Index vertex, unsigned component) const {
+    if (moving_ && !(*moving_)[vertex]) return true;
+    return (static_cast<unsigned>(attributes_->fixed().rows()[vertex]) >> component & 1) != 0;
+  }
 
   ContactPoint point_;
   Attributes* attributes_;

@@ -195,7 +195,12 @@ void Session::advance(F&& f) {
 
 void Session::pause_at(const Pause& pause) {
   std::optional<RunSummary::Outcome> outcome;
-  advance([&] { outcome = run_.simulation->advance(pause, observer_); });
+  try {
+    advance([&] { outcome = run_.simulation->advance(pause, observer_); });
+  } catch (...) {
+    if (live_) live_->show_last();
+    throw;
+  }
   if (outcome) outcome_ = name_of(*outcome);
   if (live_) live_->show_last();
 }

@@ -180,7 +180,7 @@ def main():
     liver_picture = save(docs, "paper-liver")
     parts = [HEAD + machine_text(file, data["machine"]),
              BEAM, f"![deflection of the axis]({beam_picture})\n", table_text(tables["Fig. 6"]) + "\n",
-             schemes_text(tables, "Fig. 6"), EQUILIBRIA,
+             schemes_text(tables, "Fig. 6"), EQUILIBRIA, schemes_text(tables, "Fig. 7"),
              LIVER, f"![stress over time]({liver_picture})\n", table_text(sample(liver)) + "\n",
              schemes_text(tables, "Fig. 14"), SMALL, table_text(tables["power law, one element"]) + "\n",
              RANGE, table_text(tables["power law, block"]) + "\n",

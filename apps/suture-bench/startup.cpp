@@ -2,14 +2,12 @@
 //
 // From a scene to its first step: where the time goes, and what stays in memory.
 #include <malloc.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <nlohmann/json.hpp>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
@@ -69,64 +67,37 @@ void measure_parts(const std::string& model, Index size, const StartupOptions& o
 
 // ------------------------------------------------------------ the program --
 
-/// Scene files, and a folder for them that is removed again.
-class Scenes {
- public:
-  Scenes() { std::filesystem::create_directories(folder_); }
-  ~Scenes() { std::filesystem::remove_all(folder_); }
-  Scenes(const Scenes&) = delete;
-  Scenes& operator=(const Scenes&) = delete;
-
-  /// A block of cubes under gravity, one end held, for some steps of `dt`.
-  std::filesystem::path write(const std::string& model, const std::array<Index, 3>& cells,
-                              const char* dt, double end) const {
-    std::ostringstream size, count;
-    for (std::size_t c = 0; c < 3; ++c) {
-      size << (c ? ", " : "") << 0.025 * cells[c];
-      count << (c ? ", " : "") << cells[c];
-    }
-    const auto file = folder_ / "block.json";
-    std::ofstream(file) << R"({"suture": 1, "mesh": {"box": {"size": [)" << size.str()
-                        << R"(], "cells": [)" << count.str() << R"(]}}, "models": [{"model": ")"
-                        << model << R"(", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
-    "constraints": [{"where": {"set": "z0"}, "fix": "xyz"}],
-    "gravity": [0, -9.8, 0], "solver": {"end": )"
-                        << end << R"(, "dt": )" << dt << R"(},
-    "output": {}}
-)";
-    return file;
-  }
-
- private:
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("suture-bench-" + std::to_string(getpid()));
-};
-
 constexpr double one_step = 1e-9;  // s: below any "auto"
 constexpr const char* no_output = "/output=false";
 
-/// Seconds of `suture run` on a scene file, start to exit.
-double run_program(const std::filesystem::path& scene, bool frames) {
-  const std::string path = suture_program().string(), file = scene.string(),
-                    out = (scene.parent_path() / "out").string();
-  std::vector<const char*> arguments{path.c_str(), "run", "-q", file.c_str()};
-  if (frames)
-    arguments.insert(arguments.end(), {"--output", out.c_str()});
-  else
-    arguments.insert(arguments.end(), {"--set", no_output});
-  arguments.push_back(nullptr);
-  const double start = wall();
-  pid_t child = 0;
-  int status = 0;
-  const int failed = posix_spawn(&child, path.c_str(), nullptr, nullptr,
-                                 const_cast<char* const*>(arguments.data()), environ);
-  if (failed != 0 || waitpid(child, &status, 0) < 0 || status != 0)
-    throw IoError("cannot run " + path + " on " + file);
-  return wall() - start;
+/// Writes a scene: a block of cubes under gravity, one end held, for some steps of `dt`.
+std::filesystem::path write_scene(const WorkingFolder& folder, const std::string& model,
+                                  const std::array<Index, 3>& cells, const nlohmann::json& dt,
+                                  double end) {
+  constexpr double edge = 0.025;
+  nlohmann::json scene = nlohmann::json::parse(R"({
+    "suture": 1, "gravity": [0, -9.8, 0], "output": {},
+    "constraints": [{"where": {"set": "z0"}, "fix": "xyz"}]})");
+  scene["mesh"]["box"] = {{"size", {edge * cells[0], edge * cells[1], edge * cells[2]}},
+                          {"cells", cells}};
+  scene["models"] = {{{"model", model}, {"parameters", {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}}}}};
+  scene["solver"] = {{"end", end}, {"dt", dt}};
+  const auto file = folder.path() / "block.json";
+  std::ofstream(file) << scene;
+  return file;
 }
 
-void measure_program(const Scenes& scenes, const StartupOptions& options, Report& report) {
-  const auto scene = scenes.write("tm-faure", {5, 2, 1}, "1e-4", 1e-3);
+/// Seconds of `suture run` on a scene file, start to exit.
+double run_program(const std::filesystem::path& scene, bool frames) {
+  std::vector<std::string> words{suture_program(), "run", "-q", scene};
+  if (!frames) words.insert(words.end(), {"--set", no_output});
+  const ProcessUse use = run_process(words, scene.parent_path());
+  if (use.code != 0) throw IoError("cannot run " + words[0] + " on " + scene.string());
+  return use.wall;
+}
+
+void measure_program(const WorkingFolder& folder, const StartupOptions& options, Report& report) {
+  const auto scene = write_scene(folder, "tm-faure", {5, 2, 1}, 1e-4, 1e-3);
   for (const bool frames : {false, true}) {
     double best = 1e9;
     for (int round = 0; round < 4 * options.rounds; ++round)
@@ -159,15 +130,15 @@ Memory memory_of(const std::filesystem::path& file) {
   return {resident() - before, peak_bytes() - before};
 }
 
-void measure_memory(const Scenes& scenes, const std::string& model, const StartupOptions& options,
-                    Report& report) {
-  const auto ten = scenes.write(model, {5, 2, 1}, "\"auto\"", one_step);
+void measure_memory(const WorkingFolder& folder, const std::string& model,
+                    const StartupOptions& options, Report& report) {
+  const auto ten = write_scene(folder, model, {5, 2, 1}, "auto", one_step);
   memory_of(ten);  // loads what stays loaded
   const Memory program = memory_of(ten);
   for (const Index size : options.sizes) {
     const auto cells = grid_of(size);
     const double elements = double{1} * cells[0] * cells[1] * cells[2];
-    const Memory run = memory_of(scenes.write(model, cells, "\"auto\"", one_step));
+    const Memory run = memory_of(write_scene(folder, model, cells, "auto", one_step));
     report.add(Line()
                    .add("elements", elements)
                    .add("B/el", std::max(run.held - program.held, 0.0) / elements)
@@ -177,8 +148,8 @@ void measure_memory(const Scenes& scenes, const std::string& model, const Startu
 
 void run_startup(const StartupOptions& options, Report& report) {
   report.begin("startup: the program", "suture run from start to exit, best wall-clock time");
-  const Scenes scenes;
-  measure_program(scenes, options, report);
+  const WorkingFolder folder;
+  measure_program(folder, options, report);
   for (const std::string& model : options.models) {
     report.begin("startup: " + model, "from a box to the first step, best of " +
                                           std::to_string(options.rounds) +
@@ -187,7 +158,7 @@ void run_startup(const StartupOptions& options, Report& report) {
     report.begin("memory: " + model,
                  "bytes per element, in excess of a scene of 10 elements: after the first step of "
                  "a scene without cuts and frames, and the peak until then");
-    measure_memory(scenes, model, options, report);
+    measure_memory(folder, model, options, report);
   }
 }
 

@@ -79,6 +79,11 @@ void print_attributes(const suture_model& model, Console& console) {
     console.print("  " + with_unit(attribute.name, attribute.unit) + " on " +
                   cells[attribute.dimension] + ": " + attribute.doc);
     console.print(std::string("      when its cell splits: ") + policies[attribute.policy]);
+    if (attribute.minimum == 0 && attribute.maximum == 0) continue;
+    suture_parameter limits{};
+    limits.minimum = attribute.minimum;
+    limits.maximum = attribute.maximum;
+    console.print("      conditions of a scene: " + range_of(limits));
   }
 }
 

@@ -4,6 +4,7 @@
 #include "apps/suture/commands.hpp"
 #include "apps/suture/failed_check.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/islands.hpp"
 #include "kernel/topology/journal.hpp"
 
@@ -11,13 +12,24 @@ namespace suture {
 namespace {
 
 std::string text_of(const Request& request) {
-  std::string text = name_of(request.kind);
-  if (request.kind == Operation::Kind::pierce)
-    text += " of " + count(request.elements.size(), "element");
-  else
-    text += " of " + count(request.kind == Operation::Kind::sew ? request.seams.size()
-                                                                : request.faces.size(),
-                           "face");
+  std::string text = std::string(name_of(request.kind)) + " of ";
+  switch (request.kind) {
+    case Operation::Kind::pierce:
+      text += count(request.elements.size(), "element");
+      break;
+    case Operation::Kind::sew:
+      text += count(request.seams.size(), "face");
+      break;
+    case Operation::Kind::clone: {
+      std::vector<Index> elements = request.cloning.origins;
+      sort_unique(elements);
+      text += count(elements.size(), "element") + " (" +
+              std::to_string(request.cloning.origins.size()) + " copies)";
+      break;
+    }
+    default:
+      text += count(request.faces.size(), "face");
+  }
   if (request.left_out > 0) text += " (" + std::to_string(request.left_out) + " impossible)";
   return text;
 }

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A JSON schema (draft 2020-12) of scenes: scene_schema.json, with the parameters of all models.
+// A JSON schema (draft 2020-12) of scenes: scene_schema.json, with the parameters of all models and
+// with what the tables of docs/scene-format.md say about each key. A table follows a line
+// "<!-- keys of PLACE -->", where PLACE is "the scene", or the path of an object or a definition.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 #include <span>
+#include <sstream>
 
 #include "apps/suture/commands.hpp"
 #include "kernel/base/error.hpp"
@@ -19,9 +23,80 @@ using Json = nlohmann::ordered_json;
 constexpr const char* scene_schema =
 #include "scene_schema.inc"
     ;
+constexpr const char* tables_of_keys =
+#include "scene_keys.inc"
+    ;
 
 const Json a_vector = {{"$ref", "#/$defs/vector"}};
 const Json cell_values = {{"$ref", "#/$defs/cell_values"}};
+
+/// The schema of `key` in an object, an array of objects, or one of several kinds of value.
+Json* find_key(Json& scene, Json& node, const std::string& key) {
+  if (node.contains("properties") && node["properties"].contains(key))
+    return &node["properties"][key];
+  if (node.contains("$ref"))
+    return find_key(scene, scene[Json::json_pointer(node["$ref"].get<std::string>().substr(1))],
+                    key);
+  if (node.contains("items")) return find_key(scene, node["items"], key);
+  for (const char* kinds : {"anyOf", "oneOf"}) {
+    if (!node.contains(kinds)) continue;
+    for (Json& kind : node[kinds])
+      if (Json* found = find_key(scene, kind, key)) return found;
+  }
+  return nullptr;
+}
+
+/// "events.grasp": the object, or array of objects, at this path of keys.
+Json& object_at(Json& scene, const std::string& place) {
+  if (place == "the scene") return scene;
+  std::istringstream keys(place);
+  std::string key;
+  std::getline(keys, key, '.');
+  Json* object = scene["$defs"].contains(key) ? &scene["$defs"][key] : find_key(scene, scene, key);
+  while (object != nullptr && std::getline(keys, key, '.')) object = find_key(scene, *object, key);
+  if (object == nullptr) throw InputError("the schema has no object '" + place + "'");
+  return *object;
+}
+
+/// "| `end` | number > 0, s | none | meaning |": its cells without blanks around them and links.
+std::vector<std::string> cells_of(const std::string& row) {
+  static const std::regex link(R"(\[([^\]]*)\]\([^)]*\))"), cell(R"(\| *([^|]*[^| ])? *(?=\|))");
+  const std::string text = std::regex_replace(row, link, "$1");
+  std::vector<std::string> cells;
+  for (std::sregex_iterator next(text.begin(), text.end(), cell), end; next != end; ++next)
+    cells.push_back((*next)[1]);
+  return cells;
+}
+
+/// "meaning (number > 0, s; default: none)".
+std::string description_of(const std::vector<std::string>& cells) {
+  std::string text = std::regex_replace(cells.back(), std::regex("; or$"), "");
+  if (cells.size() < 3) return text;
+  text += (text.empty() ? "(" : " (") + cells[1];
+  if (cells.size() > 3 && !cells[2].empty())
+    text += cells[2] == "required" ? "; required" : "; default: " + cells[2];
+  return text + ")";
+}
+
+void describe_keys(Json& scene) {
+  static const std::regex place("<!-- keys of (.*) -->"), word("`([a-z_]+)`");
+  std::istringstream lines(tables_of_keys);
+  Json* object = &scene;
+  std::smatch match;
+  for (std::string line; std::getline(lines, line);) {
+    if (std::regex_match(line, match, place)) {
+      object = &object_at(scene, match[1]);
+      continue;
+    }
+    const std::vector<std::string> cells = cells_of(line);
+    for (std::sregex_iterator key(cells[0].begin(), cells[0].end(), word), end; key != end; ++key) {
+      Json* described = find_key(scene, *object, (*key)[1]);
+      if (described == nullptr || described->contains("description"))
+        throw InputError("the schema has no key, or describes it, too: " + line);
+      (*described)["description"] = description_of(cells);
+    }
+  }
+}
 
 std::string doc_with_unit(const char* doc, const char* unit) {
   const std::string text = doc, of = unit;
@@ -103,6 +178,7 @@ std::set<std::string> ids_of(const PluginHost& host) {
 int schema(const SchemaCommand&, Console& console) {
   PluginHost host(&console.diagnostics());
   Json scene = Json::parse(scene_schema), rules = Json::array(), known = Json::array();
+  describe_keys(scene);
   for (const std::string& id : ids_of(host)) {
     try {
       const suture_model& model = host.model(id);

@@ -127,11 +127,17 @@ VertexField& Attributes::declare(const suture_attribute& attribute, const Instan
     return fields_.emplace_back(
         VertexField{attribute.name, attribute.unit, &kernel(0).add(spec_of(attribute)), is_rising});
   known->is_rising |= is_rising;
-  if (known->unit != attribute.unit || known->values->spec().initial != attribute.initial)
+  const ColumnSpec& spec = known->values->spec();
+  if (spec.components != static_cast<int>(attribute.components))
+    throw InputError(instance.title() + ": field '" + known->name + "' has " +
+                     std::to_string(attribute.components) +
+                     " components, but in another model of this scene it has " +
+                     std::to_string(spec.components));
+  if (known->unit != attribute.unit || spec.initial != attribute.initial)
     throw InputError(instance.title() + ": field '" + known->name + "' starts from " +
                      std::to_string(attribute.initial) + ' ' + attribute.unit +
                      ", but another model of this scene lets it start from " +
-                     std::to_string(known->values->spec().initial) + ' ' + known->unit +
+                     std::to_string(spec.initial) + ' ' + known->unit +
                      "; models that share a field must agree on both");
   return *known;
 }
@@ -292,7 +298,8 @@ void Attributes::bring_together(const std::vector<std::pair<Index, Index>>& equa
     }
     for (const VertexField& field : fields_) {
       const Column& by = field.capacity ? *field.capacity : *mass_;
-      give_mean(*field.values, 0, group, [&](Index v) { return by.get(v, 0); });
+      for (int c = 0; c < field.values->spec().components; ++c)
+        give_mean(*field.values, c, group, [&](Index v) { return by.get(v, 0); });
     }
   }
 }

@@ -174,8 +174,11 @@ void Attributes::kernel_tables(Archive& archive) {
                     "a column has a different number of rows");
   };
   for (Column* column : {rest_, mass_, fixed_}) summed(*column);
-  for (const VertexField& field : fields_)
-    if (field.capacity) summed(*field.capacity);
+  for (const VertexField& field : fields_) {
+    for (Column* sum : field.sums())
+      if (sum) summed(*sum);
+    if (field.rate) field.rate->resize(kernel(0).cells.size());
+  }
   for (Column* column : {position_, velocity_, force_}) column->resize(kernel(0).cells.size());
   archive("own_rest", own_rest_);
   if (parts_.may_grow()) archive("parts", parts_);

@@ -19,7 +19,8 @@ void for_each_column(Attributes& attributes, Instance& instance, Visit visit) {
     for (Column& column : table.columns) visit(column);
   visit(attributes.mass());
   for (const VertexField& field : attributes.fields())
-    if (field.capacity) visit(*field.capacity);
+    for (Column* sum : field.sums())
+      if (sum) visit(*sum);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ using Kind = FieldCondition::Kind;
 
 void prescribe(const FieldCondition& condition, const std::vector<Index>& vertices,
                FieldEquation& equation, const std::function<std::string(Index)>& name) {
-  const Index contradicted = equation.prescribe(vertices, condition.path);
+  const Index contradicted = equation.prescribe(vertices, condition.path, condition.component);
   if (contradicted == none) return;
   throw InputError(condition.place + ": prescribes another '" + condition.field +
                    "' than an earlier condition at " + name(contradicted) +
@@ -22,8 +22,9 @@ void prescribe(const FieldCondition& condition, const std::vector<Index>& vertic
 void add(const FieldCondition& condition, const Selector& selector, Body& body,
          const std::function<std::string(Index)>& name) {
   FieldEquation& equation = body.field(condition.field);
+  Vec3 value{};
+  value[condition.component] = condition.value;
   if (condition.kind == Kind::flux) {
-    const Vec3 value{condition.value, 0, 0};
     if (selector.has_parts() || body.attributes().parts().may_grow())
       equation.fluxes().add_surface_traction(
           body.complex(), selector.surface_triangles(condition.where), value, condition.ramp);
@@ -34,9 +35,9 @@ void add(const FieldCondition& condition, const Selector& selector, Body& body,
   }
   const std::vector<Index> vertices = selector.vertices(condition.where);
   if (condition.kind == Kind::source)
-    equation.fluxes().add_force(body.complex(), vertices, {condition.value, 0, 0}, condition.ramp);
+    equation.fluxes().add_force(body.complex(), vertices, value, condition.ramp);
   else if (condition.kind == Kind::start)
-    equation.set(vertices, condition.value);
+    equation.set(vertices, condition.value, condition.component);
   else
     prescribe(condition, vertices, equation, name);
 }

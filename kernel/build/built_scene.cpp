@@ -330,7 +330,7 @@ void BuiltScene::add_contact(Diagnostics& diagnostics) {
   Contact& contact = body_.add_contact(options.obstacles, options.thickness, std::move(embedded));
   if (options.pieces) contact.touch_pieces({options.friction, options.self});
   add_edges(contact);
-  if (dynamics_->is_implicit())
+  if (dynamics_->newton())
     body_.add(std::make_unique<MultiplierForces>(contact, body_.attributes(), body_.models(),
                                                  dynamics_->is_static()));
   else if (options.penalty)

@@ -6,12 +6,11 @@
 
 namespace suture {
 
-/// Refuses what would act on, or show, whole faces of elements of which only a part is material, or
-/// becomes so during the run; and, without such elements, what needs them. Throws one InputError
-/// with a line "PATH: TEXT" for each.
+/// Refuses what needs elements of which only a part is material in a scene that has none and makes
+/// none. Throws InputError "PATH: TEXT".
 void check_parts(const Scene& scene, const Parts& parts);
 
-/// The same for an event during the run. `may_grow`: cuts along blades are allowed in it.
+/// Refuses an event during the run that would make such elements, unless `may_grow`.
 void check_parts(const Event& event, bool may_grow);
 
 }  // namespace suture

@@ -210,6 +210,10 @@ class Contact final : public ContactLaw {
   void push_out_of_obstacles(double dt);
   void settle_tools(const ContactStep& step);
   void release(const ContactStep& step);
+  template <class Visit>
+  void for_each_pushed_by(std::size_t obstacle, Visit visit) const;
+  Vec3 place_of(std::size_t i) const;
+  Vec3 mass_of(std::size_t i) const;
   Tool::Impulse answer_to(std::size_t obstacle) const;
   std::vector<Tool::Pushed> pushed_by(std::size_t obstacle) const;
   void move(const Near& near, double dt);

@@ -48,28 +48,43 @@ void Contact::release(const ContactStep& step) {
   edges_->release();
 }
 
+/// visit(i, push) for what an obstacle pushes, by place in pushed_.
+template <class Visit>
+void Contact::for_each_pushed_by(std::size_t obstacle, Visit visit) const {
+  for (std::size_t i = 0; i < pushed_.size(); ++i)
+    for (const PushBy& by : std::span(pushes_).subspan(pushed_[i].first, pushed_[i].count))
+      if (by.obstacle == obstacle && by.push.normal != Vec3{}) visit(i, by.push);
+}
+
+Vec3 Contact::place_of(std::size_t i) const {
+  const double* x = attributes_.position().rows();
+  return points_ ? point_masses_[i].point().sum(x) : row(x, pushed_[i].vertex);
+}
+
+Vec3 Contact::mass_of(std::size_t i) const {
+  if (points_) return point_masses_[i].mass();
+  const double mass = attributes_.mass().rows()[pushed_[i].vertex];
+  return {mass, mass, mass};
+}
+
 Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
   Tool::Impulse answer;
   const Pose& end = tools_[obstacle]->end();
   const Vec3 centre = plus(end.centre, end.translation);
-  for (const auto& [vertex, by, push] : pushes_) {
-    if (by != obstacle || push.normal == Vec3{}) continue;
-    const double mass = attributes_.mass().rows()[vertex];
-    const Vec3 impulse = scaled(-mass, plus(push.normal, push.tangential));
-    const Vec3 arm = minus(row(attributes_.position().rows(), vertex), centre);
+  for_each_pushed_by(obstacle, [&](std::size_t i, const Push& push) {
+    const Vec3 change = plus(push.normal, push.tangential), mass = mass_of(i);
+    const Vec3 impulse{-mass[0] * change[0], -mass[1] * change[1], -mass[2] * change[2]};
     answer.linear = plus(answer.linear, impulse);
-    answer.angular = plus(answer.angular, cross(arm, impulse));
-  }
+    answer.angular = plus(answer.angular, cross(minus(place_of(i), centre), impulse));
+  });
   return answer;
 }
 
 std::vector<Tool::Pushed> Contact::pushed_by(std::size_t obstacle) const {
   std::vector<Tool::Pushed> pushed;
-  for (const auto& [vertex, by, push] : pushes_) {
-    if (by != obstacle || push.normal == Vec3{}) continue;
-    pushed.push_back({row(attributes_.position().rows(), vertex), attributes_.mass().rows()[vertex],
-                      push, obstacles_[obstacle].friction});
-  }
+  for_each_pushed_by(obstacle, [&](std::size_t i, const Push& push) {
+    pushed.push_back({place_of(i), mass_of(i)[0], push, obstacles_[obstacle].friction});
+  });
   return pushed;
 }
 

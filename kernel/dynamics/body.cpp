@@ -239,7 +239,7 @@ TopologyChange Body::clone_volume(const Cloning& cloning, const Parts& parts,
   std::vector<std::pair<Index, Index>> equal;
   for (const auto& [element, copy] : cloning.absorbed) {
     const Index origin = cloning.origins[copy - complex().element_count()];
-    for (std::size_t n = 0; n < 8; ++n)
+    for (std::size_t n = 0; n < hexahedron::vertices; ++n)
       equal.emplace_back(complex().vertices_of(element)[n], complex().vertices_of(origin)[n]);
     add(element);
   }

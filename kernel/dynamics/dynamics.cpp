@@ -6,7 +6,7 @@
 #include "kernel/attributes/held.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/dynamics/contact_forces.hpp"
+#include "kernel/dynamics/forces_of_step.hpp"
 #include "kernel/dynamics/rounding.hpp"
 #include "kernel/forces/contact_law.hpp"
 
@@ -89,7 +89,7 @@ void Dynamics::step(double dt, double end) {
     throw;
   }
   if (integrator_->is_other_step(dt)) {
-    const WithContactForces with_contact(body());
+    const ForcesOfStep of_step(motion_);
     const double difference =
         motion_.leapfrog_part(dt) - motion_.leapfrog_part(motion_.last_step());
     ledger_.change_step(difference);
@@ -164,7 +164,7 @@ void Dynamics::synchronise(bool with_forces) {
 
 double Dynamics::kinetic() {
   motion_.evaluate();
-  const WithContactForces with_contact(body());
+  const ForcesOfStep of_step(motion_);
   return motion_.kinetic(integrator_->lacking());
 }
 
@@ -180,7 +180,7 @@ Ledger::Now Dynamics::now() {
   n.time = time();
   n.half_step = integrator_->is_lagging() ? motion_.last_step() : 0;
   if (!is_implicit()) {
-    const WithContactForces with_contact(body());
+    const ForcesOfStep of_step(motion_);
     n.leapfrog_part = motion_.leapfrog_part(motion_.last_step());
   }
   if (body().contact()) n.contact = n.half_step * body().contact()->power() / 2;
@@ -238,7 +238,7 @@ void Dynamics::constrain(const std::function<std::vector<Index>()>& change) {
 std::vector<Vec3> Dynamics::accelerations() {
   motion_.evaluate();
   motion_.require_finite_forces();
-  const WithContactForces with_contact(body());
+  const ForcesOfStep of_step(motion_);
   Attributes& attributes = body().attributes();
   std::vector<Vec3> result(attributes.vertex_count(), body().acceleration(time()));
   const double *mass = attributes.mass().rows(), *force = attributes.force().rows();

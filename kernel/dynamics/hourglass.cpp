@@ -122,7 +122,7 @@ Hourglass measure_hourglass(const CellComplex& complex, Attributes& attributes) 
             });
   for_each_element(complex, attributes, [&](Index e, const Hexahedron& nodes, const auto& rest) {
     double sum = 0;
-    for (const Vec3& p : residual_of(w, nodes, rest)) sum += dot(p, p) / 8;
+    for (const Vec3& p : residual_of(w, nodes, rest)) sum += dot(p, p) / hexahedron::vertices;
     const double size = std::cbrt(std::abs(hexahedron_volume(rest)));
     smallest = std::min(smallest, size);
     result.amplitude[e] = 2 * std::sqrt(sum) / size;

@@ -99,8 +99,10 @@ struct IntegratorOptions {
 /// for an unknown name.
 std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& motion,
                                             const IntegratorOptions& options);
-/// Whether the scheme of this name solves equations in every step.
+/// Whether any step of the scheme of this name is stable.
 bool is_implicit(const std::string& name);
+/// Whether it solves equations in every step, into which contact enters as a term.
+bool solves_equations(const std::string& name);
 /// c in the error c h^2 (a' - a) of its steps (LocalError); 0 if the scheme has no such estimate.
 double error_constant(const std::string& name);
 /// All names, the default first.

@@ -15,12 +15,13 @@ struct Scheme {
   MakeIntegrator* make;
   bool is_implicit = false;
   double error_constant = 0;
+  bool solves_equations = is_implicit;
 };
 constexpr std::array schemes{Scheme{"symplectic-euler", make_symplectic_euler},
                              Scheme{"velocity-verlet", make_velocity_verlet, false, 1. / 6},
                              Scheme{"implicit-euler", make_implicit_euler, true},
                              Scheme{"newmark", make_newmark, true, 1. / 12},
-                             Scheme{"xpbd", make_xpbd, true},
+                             Scheme{"xpbd", make_xpbd, true, 0, false},
                              Scheme{"static", make_static_equilibrium, true}};
 
 const Scheme* find(const std::string& name) {
@@ -44,6 +45,11 @@ std::unique_ptr<Integrator> make_integrator(const std::string& name, Motion& mot
 bool is_implicit(const std::string& name) {
   const Scheme* scheme = find(name);
   return scheme && scheme->is_implicit;
+}
+
+bool solves_equations(const std::string& name) {
+  const Scheme* scheme = find(name);
+  return scheme && scheme->solves_equations;
 }
 
 double error_constant(const std::string& name) {

@@ -71,6 +71,7 @@ void Motion::clear_forces() {
 }
 
 void Motion::discard_forces() {
+  withheld_.clear();
   if (evaluated_) clear_forces();  // else they are zero already
   evaluated_ = false;
 }

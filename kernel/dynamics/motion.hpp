@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "kernel/base/error.hpp"
@@ -60,6 +61,11 @@ class Motion {
   /// Throws NotFinite, naming the vertex, unless the evaluated forces are finite; steps find this
   /// out themselves. O(vertices).
   void require_finite_forces() const;
+  /// What the scheme did not exert of the evaluated forces in its last step, negative, N: the sum
+  /// is 0 where the scheme is at rest. Rows of 4, until the forces are evaluated again; empty for
+  /// schemes that exert all.
+  void withhold(std::vector<double> rows) { withheld_ = std::move(rows); }
+  const std::vector<double>& withheld() const { return withheld_; }
   /// The forces must be evaluated again.
   void discard_forces();
   /// The state was changed other than by a step.
@@ -140,6 +146,7 @@ class Motion {
   MotionSums sums_;
   bool evaluated_ = false;  // the column `force` belongs to the current state
   double evaluated_dt_ = 0;
+  std::vector<double> withheld_;
   std::uint64_t jumps_ = 0;
   bool frozen_ = false;  // some vertices are
   LiveMask awake_;       // vertices, while some are frozen

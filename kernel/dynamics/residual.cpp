@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernel/attributes/held.hpp"
-#include "kernel/dynamics/contact_forces.hpp"
+#include "kernel/dynamics/forces_of_step.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 
 namespace suture {
@@ -117,7 +117,7 @@ double find_residual(const Motion& motion, const ForceRows& rows, std::span<doub
 loops::RestSums RestSums::evaluate(Motion& motion) {
   constexpr Index part = 4096;
   motion.evaluate();
-  const WithContactForces with_contact(motion.body());
+  const ForcesOfStep of_step(motion);
   Body& body = motion.body();
   Attributes& attributes = body.attributes();
   const std::size_t size = std::size_t{attributes.vertex_count()} * 4;

@@ -12,7 +12,7 @@ namespace suture {
 /// The forces on the vertices in the current state, m a without damping:
 ///   r = f + m g
 /// f: the column `force`, which must be evaluated (Motion::evaluate), with the forces of contact
-/// where these count (WithContactForces). At components that are held, r is minus the reaction.
+/// where these count (ForcesOfStep). At components that are held, r is minus the reaction.
 /// O(terms) to make, O(1) per vertex.
 class Residual {
  public:

@@ -8,7 +8,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/rows.hpp"
 #include "kernel/base/sort_unique.hpp"
-#include "kernel/dynamics/contact_forces.hpp"
+#include "kernel/dynamics/forces_of_step.hpp"
 #include "kernel/dynamics/residual.hpp"
 #include "kernel/forces/contact_law.hpp"
 
@@ -47,7 +47,7 @@ void require_islands(const Body& body, std::span<const Index> elements) {
 
 Stillness stillness(Dynamics& dynamics, std::span<const Index> elements) {
   dynamics.motion().evaluate();
-  const WithContactForces with_contact(dynamics.body());
+  const ForcesOfStep of_step(dynamics.motion());
   const Kick lacking = dynamics.lacking();
   Attributes& attributes = dynamics.body().attributes();
   const Residual unbalanced(dynamics.motion());

@@ -20,29 +20,37 @@ constexpr std::uint64_t steps_between_bounds = 256;
 FieldEquation::FieldEquation(Attributes& attributes, const CellComplex& complex,
                              const VertexField& field, unsigned threads)
     : attributes_(attributes),
+      complex_(complex),
       field_(field),
-      rates_(attributes, complex, threads, &field),
+      components_(static_cast<std::size_t>(field.values->spec().components)),
+      rates_(static_cast<ForceLoop&>(
+          *terms_.emplace_back(std::make_unique<ForceLoop>(attributes, complex, threads, &field)))),
+      has_dissipation_(rates_.has_dissipation()),
       fluxes_(attributes),
-      paths_of_(attributes.vertex_count(), 0) {}
+      paths_of_(attributes.vertex_count() * components_, 0),
+      matrix_(attributes, terms_) {}
 
 // --------------------------------------------------------------- conditions --
 
-void FieldEquation::set(std::span<const Index> vertices, double value) {
-  for (const Index v : vertices) field_.values->rows()[v] = value;
+void FieldEquation::set(std::span<const Index> vertices, double value, std::size_t component) {
+  for (const Index v : vertices) this->value(v, component) = value;
 }
 
-Index FieldEquation::prescribe(std::span<const Index> vertices, const ValuePath& path) {
+Index FieldEquation::prescribe(std::span<const Index> vertices, const ValuePath& path,
+                               std::size_t component) {
   for (const Index v : vertices)
-    if (is_prescribed(v) && paths_[paths_of_[v] - 1].stations != path.stations) return v;
+    if (is_prescribed(v, component) && paths_[path_of(v, component) - 1].stations != path.stations)
+      return v;
   paths_.push_back(path);
-  for (const Index v : vertices) paths_of_[v] = static_cast<std::uint32_t>(paths_.size());
+  for (const Index v : vertices) path_of(v, component) = static_cast<std::uint32_t>(paths_.size());
   return none;
 }
 
 void FieldEquation::find_held() {
   held_.clear();
-  for (Index v = 0; v < paths_of_.size(); ++v)
-    if (is_prescribed(v)) held_.push_back({v, paths_of_[v] - 1});
+  for_each_value([&](Index v, std::size_t c, std::size_t) {
+    if (is_prescribed(v, c)) held_.push_back({v, static_cast<std::uint32_t>(c), path_of(v, c) - 1});
+  });
 }
 
 double FieldEquation::last_change() const {
@@ -54,7 +62,7 @@ double FieldEquation::last_change() const {
 // -------------------------------------------------------------------- rates --
 
 void FieldEquation::evaluate(double time) {
-  const std::size_t size = std::size_t{attributes_.vertex_count()} * 4;
+  const std::size_t size = std::size_t{vertices()} * 4;
   rate_rows_.assign(size, 0);
   rates_.add_forces(time, 0, ForceLoop::Part::all, rate_rows_.data());
   if (!has_fluxes_) return;
@@ -67,8 +75,9 @@ double FieldEquation::stable_step(double time) {
   find_diagonal(time, 0);
   stable_ = std::numeric_limits<double>::infinity();
   steps_since_ = 0;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v)
-    if (sums_[v] > 0 && !is_prescribed(v)) stable_ = std::min(stable_, capacity(v) / sums_[v]);
+  for_each_value([&](Index v, std::size_t c, std::size_t i) {
+    if (sums_[i] > 0 && !is_prescribed(v, c)) stable_ = std::min(stable_, capacity(v) / sums_[i]);
+  });
   return stable_;
 }
 
@@ -77,10 +86,11 @@ double FieldEquation::stable_step(double time) {
 void FieldEquation::start(double time, Steps steps) {
   find_held();
   has_fluxes_ = !fluxes_.adds_no_rows();
-  for (const Held& held : held_) field_.values->rows()[held.vertex] = prescribed(held, time);
-  balance_ = {};
+  for (const Held& held : held_) value(held.vertex, held.component) = prescribed(held, time);
+  booked_ = {};
+  iterations_ = {};
   stable_ = 0;
-  start_ = sum_content();
+  start_ = contents();
   find_diagonal(time, 0);
   require_capacities(steps);
 }
@@ -88,12 +98,12 @@ void FieldEquation::start(double time, Steps steps) {
 /// A field that follows the motion needs none in implicit steps.
 void FieldEquation::require_capacities(Steps steps) const {
   if (steps == Steps::steady || (steps == Steps::implicit && feels_motion())) return;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    if (sums_[v] == 0 || capacity(v) > 0 || is_prescribed(v)) continue;
+  for_each_value([&](Index v, std::size_t c, std::size_t i) {
+    if (sums_[i] == 0 || capacity(v) > 0 || is_prescribed(v, c)) return;
     throw InputError("field '" + field_.name +
                      "': a node where models give it a rate has no capacity; add a model with a "
                      "capacity to these elements, or replace /solver/integrator by /solver/static");
-  }
+  });
 }
 
 void FieldEquation::advance_explicitly(double time, double dt) {
@@ -113,67 +123,83 @@ void FieldEquation::advance_explicitly(double time, double dt) {
 /// a field that does not fall (SUTURE_RISING) would lose is not produced.
 void FieldEquation::explicit_step(double time, double dt) {
   evaluate(time);
-  double* const u = field_.values->rows();
-  double produced = 0, in = 0, lost = 0;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    produced += rate(v);
-    in += flux(v);
-    const double c = capacity(v), more = rate(v) + flux(v);
-    if (!(c > 0) || is_prescribed(v)) continue;
-    if (field_.is_rising && more < 0) {
-      produced -= more;
-    } else {
-      u[v] += dt * more / c;
-      lost += rate(v) * (dt * more / c);
+  for_each_value([&](Index v, std::size_t c, std::size_t) {
+    double produced = rate(v, c);
+    const double capacity = this->capacity(v), more = rate(v, c) + flux(v, c);
+    if (capacity > 0 && !is_prescribed(v, c)) {
+      if (field_.is_rising && more < 0) {
+        produced -= more;
+      } else {
+        value(v, c) += dt * more / capacity;
+        booked_.dissipated += rate(v, c) * (dt * more / capacity);
+      }
     }
-  }
-  balance_.dissipated += lost;
-  double through = 0;
+    booked_.of[c].produced += dt * produced;
+    booked_.of[c].inflow += dt * flux(v, c);
+  });
   for (const Held& held : held_) {
-    const Index v = held.vertex;
+    const auto [v, c, path] = held;
     const double next = prescribed(held, time + dt);
-    through += capacity(v) * (next - u[v]) - dt * (rate(v) + flux(v));
-    u[v] = next;
+    booked_.of[c].inflow += capacity(v) * (next - value(v, c)) - dt * (rate(v, c) + flux(v, c));
+    value(v, c) = next;
   }
-  balance_.produced += dt * produced;
-  balance_.inflow += dt * in + through;
 }
 
 void FieldEquation::require_finite() const {
-  const double* const u = field_.values->rows();
-  for (Index v = 0; v < attributes_.vertex_count(); ++v)
-    if (!std::isfinite(u[v]))
+  for_each_value([&](Index v, std::size_t c, std::size_t) {
+    if (!std::isfinite(value(v, c)))
       throw NumericalError("field '" + field_.name +
                            "' is not finite: its rates grow faster than "
                            "its steps follow; choose an implicit integrator, or a shorter dt");
+  });
 }
 
 // ------------------------------------------------------------------ balance --
 
-double FieldEquation::sum_content() const {
-  const double* const u = field_.values->rows();
-  double sum = 0;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v) sum += capacity(v) * u[v];
-  return sum;
+FieldEquation::Contents FieldEquation::contents() const {
+  Contents sums{};
+  for_each_value(
+      [&](Index v, std::size_t c, std::size_t) { sums[c] += capacity(v) * value(v, c); });
+  return sums;
 }
 
-FieldBalance FieldEquation::balance(double time) {
-  FieldBalance balance = balance_;
-  balance.content = sum_content();
-  if (has_energy()) balance.energy = rates_.energy(time);
+FieldBalance FieldEquation::balance(std::size_t component) const {
+  FieldBalance balance = booked_.of[component];
+  balance.content = contents()[component];
   return balance;
 }
 
+FieldEnergy FieldEquation::energy(double time) {
+  double stored = rates_.energy(time);
+  if (has_dissipation_)
+    for_each_value([&](Index v, std::size_t c, std::size_t) {
+      stored += capacity(v) * value(v, c) * value(v, c) / 2;
+    });
+  return {stored, booked_.dissipated, booked_.supplied};
+}
+
+std::string FieldEquation::name(std::size_t component) const {
+  return components_ == 1 ? field_.name : field_.name + '_' + std::to_string(component);
+}
+
 std::string FieldEquation::balance_text(double time) {
-  const FieldBalance b = balance(time);
   const std::string unit = ' ' + unit_of_content();
   std::ostringstream text;
-  text << field_.name << ": content " << b.content << unit << "; since the start, " << b.inflow
-       << unit << " came in, models produced " << b.produced << unit << ", and " << b.changed
-       << unit << " are due to operations and jumps to equilibria";
-  if (has_energy())
-    text << "; field and deformation store " << b.energy << " J, and " << b.dissipated
-         << " J were dissipated";
+  for (std::size_t c = 0; c < components_; ++c) {
+    const FieldBalance b = balance(c);
+    text << (c == 0 ? "" : "; ") << name(c) << ": content " << b.content << unit
+         << "; since the start, " << b.inflow << unit << " came in, models produced " << b.produced
+         << unit << ", and " << b.changed << unit
+         << " are due to operations and jumps to equilibria";
+  }
+  if (iterations_.all != 0)
+    text << "; its equations took " << iterations_.all << " iterations, "
+         << iterations_.with_multigrid << " of them with the multigrid";
+  if (!has_energy()) return text.str();
+  const FieldEnergy e = energy(time);
+  text << "; field and deformation store " << e.stored << " J, and " << e.dissipated
+       << " J were dissipated";
+  if (has_dissipation()) text << "; what came in brought " << e.supplied << " J";
   return text.str();
 }
 
@@ -190,48 +216,64 @@ std::string FieldEquation::unit_of_content() const {
 
 // --------------------------------------------------------- operations, state --
 
+void FieldEquation::before_operation() { before_change_ = contents(); }
+
 void FieldEquation::follow(const CellComplex& complex, const TopologyChange& change) {
   rates_.follow(complex, change);
   fluxes_.follow(complex, change);
-  paths_of_.resize(attributes_.vertex_count(), 0);
-  for (const Split& split : change.splits[0]) paths_of_[split.new_cell] = paths_of_[split.old_cell];
-  for (const auto& [kept, gone] : change.merges[0])
-    if (const std::uint32_t path = std::exchange(paths_of_[gone], 0); !is_prescribed(kept))
-      paths_of_[kept] = path;
-  for (const Index v : change.removed[0]) paths_of_[v] = 0;
+  paths_of_.resize(vertices() * components_, 0);
+  for (std::size_t c = 0; c < components_; ++c) {
+    for (const Split& split : change.splits[0])
+      path_of(split.new_cell, c) = path_of(split.old_cell, c);
+    for (const auto& [kept, gone] : change.merges[0])
+      if (const std::uint32_t path = std::exchange(path_of(gone, c), 0); !is_prescribed(kept, c))
+        path_of(kept, c) = path;
+    for (const Index v : change.removed[0]) path_of(v, c) = 0;
+  }
   find_held();
-  balance_.changed += sum_content() - content_;
+  const Contents now = contents();
+  for (std::size_t c = 0; c < components_; ++c) booked_.of[c].changed += now[c] - before_change_[c];
   stable_ = 0;
+  multigrid_.reset();
 }
 
 void FieldEquation::keep() {
-  kept_.assign(field_.values->rows(), field_.values->rows() + attributes_.vertex_count());
-  kept_balance_ = balance_;
+  kept_.assign(std::size_t{vertices()} * 3, 0);
+  for_each_value([&](Index v, std::size_t c, std::size_t i) { kept_[i] = value(v, c); });
+  kept_booked_ = booked_;
 }
 
 void FieldEquation::restore() {
-  std::ranges::copy(kept_, field_.values->rows());
-  balance_ = kept_balance_;
+  for_each_value([&](Index v, std::size_t c, std::size_t i) { value(v, c) = kept_[i]; });
+  booked_ = kept_booked_;
 }
 
 /// The values are those of the attributes.
 void FieldEquation::state(Archive& archive) {
-  archive("inflow", balance_.inflow);
-  archive("produced", balance_.produced);
-  archive("changed", balance_.changed);
-  archive("dissipated", balance_.dissipated);
+  for (std::size_t c = 0; c < components_; ++c) {
+    archive("inflow", booked_.of[c].inflow);
+    archive("produced", booked_.of[c].produced);
+    archive("changed", booked_.of[c].changed);
+  }
+  archive("dissipated", booked_.dissipated);
+  archive("supplied", booked_.supplied);
   archive("stable", stable_);
   archive("steps since", steps_since_);
+  archive("iterations", iterations_.all);
+  archive("with multigrid", iterations_.with_multigrid);
   if (!archive.has_cells()) return;
-  archive("start", start_);
+  for (std::size_t c = 0; c < components_; ++c) archive("start", start_[c]);
   archive("rates", rates_);
   archive("fluxes", fluxes_);
   archive("paths", paths_of_);
-  archive.require(paths_of_.size() == attributes_.vertex_count(),
+  archive.require(paths_of_.size() == vertices() * components_,
                   "the prescribed vertices of a field differ");
   for (const std::uint32_t path : paths_of_)
     archive.require(path <= paths_.size(), "a field has other conditions");
-  if (archive.loads()) find_held();
+  if (archive.loads()) {
+    find_held();
+    multigrid_.reset();
+  }
 }
 
 }  // namespace suture

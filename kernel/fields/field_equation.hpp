@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -15,19 +16,24 @@
 
 namespace suture {
 
-/// What became of a field since the start: content = that at the start + inflow + produced +
-/// changed, but for rounding. In the unit of the capacity times that of the field (J/K . K = J).
+/// What became of a component of a field since the start: content = that at the start + inflow +
+/// produced + changed, but for rounding. In the unit of the capacity times that of the field (J/K .
+/// K = J).
 struct FieldBalance {
   double content = 0;   ///< sum C u
   double inflow = 0;    ///< by fluxes, and through vertices whose value is prescribed
   double produced = 0;  ///< by models; 0 for conduction
   double changed = 0;   ///< by operations, and between equilibria
-  /// If rates are derivatives of an energy, J: that of field and deformation, and what the field
-  /// has lost of it on its way.
-  double energy = 0, dissipated = 0;
 };
 
-/// The equation of one field, by vertices:
+/// The energy of a field and of the deformation, where models say it, J.
+struct FieldEnergy {
+  double stored = 0;
+  double dissipated = 0;  ///< since the start
+  double supplied = 0;    ///< since the start, by what flowed in; 0 unless has_dissipation()
+};
+
+/// The equation of one field, by vertices and components:
 ///   C du/dt = r(u) + q      r: rates of the models, q: fluxes
 /// with the values of some vertices prescribed. It has its own steps between those of the motion,
 /// at the positions that the motion has reached. The same bits for any number of threads. Vertices
@@ -39,19 +45,20 @@ class FieldEquation {
                 unsigned threads);
 
   const VertexField& field() const { return field_; }
+  std::size_t components() const { return components_; }
   ForceLoop& rates() { return rates_; }
   const ForceLoop& rates() const { return rates_; }
 
   // ---- conditions ----
 
-  /// Sets values at the start.
-  void set(std::span<const Index> vertices, double value);
+  /// Sets values of a component at the start.
+  void set(std::span<const Index> vertices, double value, std::size_t component = 0);
   /// From now on, the values of these vertices follow a path. Where two paths differ at a vertex,
   /// that vertex is returned, and nothing has changed; otherwise `none`.
-  Index prescribe(std::span<const Index> vertices, const ValuePath& path);
-  /// Flows into faces, per rest area: the first component of a traction.
+  Index prescribe(std::span<const Index> vertices, const ValuePath& path,
+                  std::size_t component = 0);
+  /// Flows into faces, per rest area: as the components of a traction.
   DeadLoads& fluxes() { return fluxes_; }
-  bool is_prescribed(Index vertex) const { return paths_of_[vertex] != 0; }
 
   // ---- steps ----
 
@@ -72,23 +79,33 @@ class FieldEquation {
   bool feels_motion() const { return rates_.reads_motion(); }
   /// The longest stable step, s: 1 / lambda, lambda a bound on the eigenvalues of -C^-1 dr/du.
   double stable_step(double time);
+  /// Iterations of conjugate gradients since the start, and how many of them used the multigrid.
+  struct Iterations {
+    std::uint64_t all = 0, with_multigrid = 0;
+  };
+  const Iterations& iterations() const { return iterations_; }
 
   /// The models have other parameters.
   void forget_models() { stable_ = 0; }
 
-  FieldBalance balance(double time);
-  /// Whether models say the energy of which its rates are derivatives.
+  FieldBalance balance(std::size_t component = 0) const;
+  /// Whether models say the energy of field and deformation.
   bool has_energy() const { return rates_.has(ForceLoop::Part::with_energy); }
+  /// Whether rates are no derivatives of it, and models say what they dissipate.
+  bool has_dissipation() const { return has_dissipation_; }
+  FieldEnergy energy(double time);
   /// When the last path or ramp ends, s.
   double last_change() const;
   /// "temperature: content 12 J; since the start, 3 J came in, ...", at `time`.
   std::string balance_text(double time);
+  /// The name of a component: "temperature", or "species_1" where there are several.
+  std::string name(std::size_t component) const;
   /// The unit of its content: "J".
   std::string unit_of_content() const;
 
   // ---- operations and states ----
 
-  void before_operation() { content_ = sum_content(); }
+  void before_operation();
   void follow(const CellComplex& complex, const TopologyChange& change);
   /// The state before a step, from which implicit steps start and to which restore() returns.
   void keep();
@@ -96,52 +113,87 @@ class FieldEquation {
   void state(Archive& archive);
 
  private:
+  using Contents = std::array<double, 3>;  ///< by component
+  /// What balance() and energy() say, without contents and what is stored.
+  struct Booked {
+    std::array<FieldBalance, 3> of;  ///< by component
+    double dissipated = 0, supplied = 0;
+  };
   struct Held {
     Index vertex;
-    std::uint32_t path;
+    std::uint32_t component, path;
   };
+
+  Index vertices() const { return attributes_.vertex_count(); }
+  double& value(Index v, std::size_t c) const {
+    return field_.values->rows()[v * static_cast<std::size_t>(field_.values->stride()) + c];
+  }
+  double& rate_of_change(Index v, std::size_t c) const {
+    return field_.rate->rows()[v * static_cast<std::size_t>(field_.rate->stride()) + c];
+  }
+  std::uint32_t& path_of(Index v, std::size_t c) { return paths_of_[v * components_ + c]; }
+  bool is_prescribed(Index v, std::size_t c) const { return paths_of_[v * components_ + c] != 0; }
+  /// visit(vertex, component, place in the vectors of Newton's method, which have 3 per vertex)
+  template <class Visit>
+  void for_each_value(Visit visit) const {
+    for (Index v = 0; v < vertices(); ++v)
+      for (std::size_t c = 0; c < components_; ++c) visit(v, c, std::size_t{v} * 3 + c);
+  }
   void find_held();
   double prescribed(const Held& held, double time) const { return paths_[held.path].value(time); }
   void evaluate(double time);
   void explicit_step(double time, double dt);
   void require_capacities(Steps steps) const;
   void require_finite() const;
-  double sum_content() const;
+  Contents contents() const;
   double capacity(Index v) const { return field_.capacity ? field_.capacity->rows()[v] : 0; }
   double relaxation(Index v) const { return field_.relaxation ? field_.relaxation->rows()[v] : 0; }
   // As evaluated:
-  double rate(Index v) const { return rate_rows_[std::size_t{v} * 4]; }
-  double flux(Index v) const { return has_fluxes_ ? flux_rows_[std::size_t{v} * 4] : 0; }
+  double rate(Index v, std::size_t c) const { return rate_rows_[std::size_t{v} * 4 + c]; }
+  double flux(Index v, std::size_t c) const {
+    return has_fluxes_ ? flux_rows_[std::size_t{v} * 4 + c] : 0;
+  }
   // Newton's method (field_newton.cpp)
   void solve(double time, double per_dt);
   void find_diagonal(double time, double per_dt);
   double find_residual(double time, double per_dt);
   bool solve_linear(double time, double per_dt);
-  void apply(const double* d, double* out, double time, double per_dt);
-  double taken_up(Index v, double per_dt) const;
+  void set_matrix(double time, double per_dt);
+  void build_multigrid();
+  double taken_up(Index v, std::size_t c, double per_dt) const;
   double rounding(double per_dt) const;
-  void book(double per_dt);
+  void book(double time, double per_dt);
 
   Attributes& attributes_;
+  const CellComplex& complex_;
   const VertexField& field_;
-  ForceLoop rates_;
+  std::size_t components_;
+  std::vector<std::unique_ptr<ForceTerm>> terms_;  ///< the rates alone
+  ForceLoop& rates_;
+  bool has_dissipation_;
   DeadLoads fluxes_;
   std::vector<ValuePath> paths_;
-  std::vector<std::uint32_t> paths_of_;          ///< by vertex: 1 + the number of its path; 0: none
+  /// By vertex and component: 1 + the number of its path; 0: none.
+  std::vector<std::uint32_t> paths_of_;
   std::vector<Held> held_;                       ///< the same, ascending
-  AlignedVector<double> rate_rows_, flux_rows_;  ///< of 4 per vertex, the first counts
+  AlignedVector<double> rate_rows_, flux_rows_;  ///< of 4 per vertex
   bool has_fluxes_ = false;
-  FieldBalance balance_;  ///< without the content
-  double start_ = 0;      ///< the content then
-  double content_ = 0;    ///< before an operation
-  double stable_ = 0;     ///< s; 0: to be found
+  Booked booked_;
+  Contents start_{};          ///< the contents then
+  Contents before_change_{};  ///< before an operation
+  double stable_ = 0;         ///< s; 0: to be found
   std::uint64_t steps_since_ = 0;
-  // Newton's method works with these, by vertex:
-  std::vector<double> before_, diagonal_, sums_, residual_, change_, direction_, product_;
+  Iterations iterations_;
+  // Newton's method works with these, of 3 numbers per vertex:
+  std::vector<double> before_, diagonal_, sums_, residual_, change_, rest_, correction_;
   std::vector<char> is_free_;
+  TangentMatrix matrix_;
   ConjugateGradients solver_;
+  std::unique_ptr<Preconditioner> multigrid_;  ///< with a hierarchy for these free components:
+  std::vector<std::uint8_t> multigrid_free_;
+  bool is_built_ = false;     ///< for the present step
   std::vector<double> kept_;  ///< values at the start of the step
-  FieldBalance kept_balance_;
+  Booked kept_booked_;
 };
 
 }  // namespace suture

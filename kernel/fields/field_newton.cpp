@@ -5,13 +5,18 @@
 // at vertices that are free. u0 is the value at the start of the step, u1 that of the turn before,
 // and L the relaxation (SUTURE_RELAXATION), which is without effect where turns agree. A field that
 // does not fall (SUTURE_RISING) is held where it is u0 and the right side is negative: an active
-// set (Hintermueller, Ito, Kunisch, SIAM J. Optim. 13, 2002, 865). The matrix is symmetric, and is
-// solved by conjugate gradients with its diagonal.
+// set (Hintermueller, Ito, Kunisch, SIAM J. Optim. 13, 2002, 865).
+//
+// The matrix is symmetric, and is solved by conjugate gradients. Where their diagonal is not good
+// enough, as in steady states, the multigrid of the motion takes over, with the components of the
+// field in place of those of positions. It is built once in a call, so that results depend on the
+// state alone.
 #include <algorithm>
 #include <cmath>
 
 #include "kernel/base/error.hpp"
 #include "kernel/fields/field_equation.hpp"
+#include "kernel/solvers/multigrid.hpp"
 
 namespace suture {
 namespace {
@@ -22,104 +27,141 @@ constexpr double newton_tolerance = 1e-10;
 /// A part of the products of which the residual is a sum.
 constexpr double rounding_of_sums = 1e-14;
 constexpr double krylov_tolerance = 1e-12;
+/// With the diagonal alone: about as long as it takes to build the multigrid.
+constexpr unsigned simple_iterations = 40;
+constexpr unsigned multigrid_iterations = 5000;
 
 }  // namespace
 
-/// - dr_v/du_v, and sum |dr_v/du_w| over all w.
+/// - dr_v/du_v, and sum |dr_v/du_w| over all w and their components.
 void FieldEquation::find_diagonal(double time, double per_dt) {
-  diagonal_.assign(attributes_.vertex_count(), 0);
-  sums_.assign(attributes_.vertex_count(), 0);
+  diagonal_.assign(std::size_t{vertices()} * 3, 0);
+  sums_.assign(diagonal_.size(), 0);
   rates_.for_each_tangent(1, per_dt, time, [&](const CellTangents& cells) {
     const Index rows = 3 * cells.nodes;
+    const auto place = [&](Index cell, Index row) {
+      return std::size_t{cells.vertices[cell * cells.nodes + row / 3]} * 3 + row % 3;
+    };
     for (Index cell = 0; cell < cells.cells; ++cell)
-      for (Index a = 0; a < cells.nodes; ++a) {
-        const Index v = cells.vertices[cell * cells.nodes + a];
-        for (Index b = 0; b < cells.nodes; ++b) {
-          const double value = cells.values[(std::size_t{3 * b} * rows + 3 * a) * 8 + cell];
-          sums_[v] += std::abs(value);
-          if (a == b) diagonal_[v] -= value;
-        }
+      for (Index row = 0; row < rows; ++row) {
+        if (row % 3 >= components_) continue;
+        for (Index column = 0; column < rows; ++column)
+          sums_[place(cell, row)] +=
+              std::abs(cells.values[(std::size_t{column} * rows + row) * 8 + cell]);
+        diagonal_[place(cell, row)] -= cells.values[(std::size_t{row} * rows + row) * 8 + cell];
       }
   });
 }
 
 /// C (u - u0) / dt: what a vertex has taken up in the step, per second.
-double FieldEquation::taken_up(Index v, double per_dt) const {
-  return capacity(v) * (field_.values->rows()[v] - kept_[v]) * per_dt;
+double FieldEquation::taken_up(Index v, std::size_t c, double per_dt) const {
+  return capacity(v) * (value(v, c) - kept_[std::size_t{v} * 3 + c]) * per_dt;
 }
 
 /// Evaluates the rates, finds which vertices are free, and returns the norm of the residual there.
 double FieldEquation::find_residual(double time, double per_dt) {
-  const double* const u = field_.values->rows();
   if (field_.rate)
-    for (Index v = 0; v < kept_.size(); ++v) field_.rate->rows()[v] = (u[v] - kept_[v]) * per_dt;
+    for_each_value([&](Index v, std::size_t c, std::size_t i) {
+      rate_of_change(v, c) = (value(v, c) - kept_[i]) * per_dt;
+    });
   evaluate(time);
-  residual_.resize(kept_.size());
-  is_free_.resize(kept_.size());
-  for (Index v = 0; v < residual_.size(); ++v) {
-    residual_[v] =
-        rate(v) + flux(v) - taken_up(v, per_dt) - relaxation(v) * (u[v] - before_[v]) * per_dt;
-    const bool cannot_fall = field_.is_rising && u[v] <= kept_[v] && residual_[v] < 0;
-    is_free_[v] = !is_prescribed(v) && !cannot_fall;
-    if (!is_free_[v]) residual_[v] = 0;
-  }
+  residual_.assign(kept_.size(), 0);
+  is_free_.assign(kept_.size(), 0);
+  for_each_value([&](Index v, std::size_t c, std::size_t i) {
+    const double residual = rate(v, c) + flux(v, c) - taken_up(v, c, per_dt) -
+                            relaxation(v) * (value(v, c) - before_[i]) * per_dt;
+    const bool cannot_fall = field_.is_rising && value(v, c) <= kept_[i] && residual < 0;
+    is_free_[i] = !is_prescribed(v, c) && !cannot_fall;
+    if (is_free_[i]) residual_[i] = residual;
+  });
   return norm(residual_);
 }
 
-void FieldEquation::apply(const double* d, double* out, double time, double per_dt) {
-  direction_.assign(std::size_t{3} * attributes_.vertex_count(), 0);
-  product_.assign(direction_.size(), 0);
-  for (std::size_t v = 0; v < direction_.size() / 3; ++v) direction_[3 * v] = d[v];
-  rates_.add_tangent(direction_.data(), 1, per_dt, time, product_.data());
-  for (Index v = 0; v < attributes_.vertex_count(); ++v)
-    out[v] = is_free_[v]
-                 ? (capacity(v) + relaxation(v)) * per_dt * d[v] - product_[std::size_t{3} * v]
-                 : 0;
+double FieldEquation::rounding(double per_dt) const {
+  double sum = 0;
+  for_each_value([&](Index v, std::size_t c, std::size_t i) {
+    const double product = (capacity(v) * per_dt + std::abs(diagonal_[i])) * value(v, c);
+    sum += product * product;
+  });
+  return rounding_of_sums * std::sqrt(sum);
 }
 
-double FieldEquation::rounding(double per_dt) const {
-  const double* const u = field_.values->rows();
-  double sum = 0;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    const double product = (capacity(v) * per_dt + std::abs(diagonal_[v])) * u[v];
-    sum += product * product;
+/// Vertices without a rate and a capacity take no part.
+void FieldEquation::set_matrix(double time, double per_dt) {
+  std::vector<double> masses;
+  if (per_dt != 0)
+    for (Index v = 0; v < vertices(); ++v) masses.push_back((capacity(v) + relaxation(v)) * per_dt);
+  std::vector<std::uint8_t> free(diagonal_.size());
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    diagonal_[i] += per_dt != 0 ? masses[i / 3] : 0;
+    free[i] = is_free_[i] && diagonal_[i] != 0;
   }
-  return rounding_of_sums * std::sqrt(sum);
+  matrix_.set(time, per_dt, std::move(free), std::move(masses));
+}
+
+/// A hierarchy serves as long as cells and free components stay.
+void FieldEquation::build_multigrid() {
+  if (!multigrid_ || multigrid_free_ != matrix_.free()) {
+    multigrid_ = make_multigrid(complex_, attributes_, {.finds_end = false});
+    multigrid_free_ = matrix_.free();
+    is_built_ = false;
+  }
+  if (!is_built_) multigrid_->build(matrix_);
+  is_built_ = true;
 }
 
 /// Finds change_; false if the matrix is not positive.
 bool FieldEquation::solve_linear(double time, double per_dt) {
-  const auto precondition = [&](const double* r, double* z) {
-    for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-      const double entry = (capacity(v) + relaxation(v)) * per_dt + diagonal_[v];
-      z[v] = entry > 0 && is_free_[v] ? r[v] / entry : 0;
-    }
+  set_matrix(time, per_dt);
+  const auto product = [&](const double* d, double* out) { matrix_.apply(d, out); };
+  const auto by_diagonal = [&](const double* r, double* z) {
+    for (std::size_t i = 0; i < diagonal_.size(); ++i)
+      z[i] = diagonal_[i] > 0 && matrix_.free()[i] ? r[i] / diagonal_[i] : 0;
   };
-  const LinearSolve solved = solver_.solve(
-      [&](const double* d, double* out) { apply(d, out, time, per_dt); }, precondition, residual_,
-      change_, krylov_tolerance, 10 * attributes_.vertex_count() + 100);
-  return solved.outcome != LinearSolve::Outcome::indefinite || solved.iterations != 0;
+  std::ranges::fill(change_, 0.0);
+  rest_ = residual_;
+  double tolerance = krylov_tolerance;
+  if (!is_built_) {
+    const LinearSolve first = solver_.solve(product, by_diagonal, residual_, change_,
+                                            krylov_tolerance, simple_iterations);
+    iterations_.all += first.iterations;
+    if (first.outcome != LinearSolve::Outcome::too_many)
+      return first.outcome == LinearSolve::Outcome::converged || first.iterations != 0;
+    matrix_.apply(change_.data(), rest_.data());
+    for (std::size_t i = 0; i < rest_.size(); ++i) rest_[i] = residual_[i] - rest_[i];
+    tolerance *= norm(residual_) / norm(rest_);
+  }
+  build_multigrid();
+  matrix_.restrict(rest_);
+  const LinearSolve solved =
+      solver_.solve(matrix_, *multigrid_, rest_, correction_, tolerance, multigrid_iterations);
+  iterations_.all += solved.iterations;
+  iterations_.with_multigrid += solved.iterations;
+  for (std::size_t i = 0; i < change_.size(); ++i) change_[i] += correction_[i];
+  return solved.outcome == LinearSolve::Outcome::converged || solved.iterations != 0;
 }
 
 void FieldEquation::solve(double time, double per_dt) {
-  double* const u = field_.values->rows();
-  before_.assign(u, u + attributes_.vertex_count());
-  for (const Held& held : held_) u[held.vertex] = prescribed(held, time);
+  before_.assign(kept_.size(), 0);
+  for_each_value([&](Index v, std::size_t c, std::size_t i) { before_[i] = value(v, c); });
+  for (const Held& held : held_) value(held.vertex, held.component) = prescribed(held, time);
   change_.resize(before_.size());
+  correction_.resize(before_.size());
+  is_built_ = false;
   double largest = 0;
   for (unsigned i = 0; i <= newton_iterations; ++i) {
     const double norm = find_residual(time, per_dt);
     largest = std::max(largest, norm);
-    if (norm <= newton_tolerance * largest) return book(per_dt);
+    if (norm <= newton_tolerance * largest) return book(time, per_dt);
     find_diagonal(time, per_dt);
-    if (norm <= rounding(per_dt)) return book(per_dt);
+    if (norm <= rounding(per_dt)) return book(time, per_dt);
     if (!solve_linear(time, per_dt)) break;
-    for (Index v = 0; v < change_.size(); ++v) {
-      u[v] += change_[v];
-      if (field_.is_rising && !is_prescribed(v)) u[v] = std::max(u[v], kept_[v]);
-    }
+    for_each_value([&](Index v, std::size_t c, std::size_t at) {
+      value(v, c) += change_[at];
+      if (field_.is_rising && !is_prescribed(v, c)) value(v, c) = std::max(value(v, c), kept_[at]);
+    });
   }
-  std::ranges::copy(before_, u);
+  for_each_value([&](Index v, std::size_t c, std::size_t i) { value(v, c) = before_[i]; });
   throw NumericalError(
       "the equations of field '" + field_.name + "' are not solved" +
       (per_dt == 0 ? ": a steady state needs a prescribed value in each piece that a flux enters, "
@@ -128,35 +170,42 @@ void FieldEquation::solve(double time, double per_dt) {
 }
 
 double FieldEquation::relative_change() const {
-  const double* const u = field_.values->rows();
-  double change = 0, largest = 0;
-  for (std::size_t v = 0; v < before_.size(); ++v) {
-    change = std::max(change, std::abs(u[v] - before_[v]));
-    largest = std::max(largest, std::abs(u[v]));
-  }
-  return change == 0 ? 0 : change / largest;
+  Contents change{}, largest{};
+  for_each_value([&](Index v, std::size_t c, std::size_t i) {
+    change[c] = std::max(change[c], std::abs(value(v, c) - before_[i]));
+    largest[c] = std::max(largest[c], std::abs(value(v, c)));
+  });
+  double relative = 0;
+  for (std::size_t c = 0; c < components_; ++c)
+    if (change[c] != 0) relative = std::max(relative, change[c] / largest[c]);
+  return relative;
 }
 
 /// What the prescribed vertices have taken up beside their rate has come through them; what those
-/// that cannot fall would lose is not produced.
-void FieldEquation::book(double per_dt) {
-  balance_ = kept_balance_;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v)
-    balance_.dissipated += rate(v) * (field_.values->rows()[v] - kept_[v]);
+/// that cannot fall would lose is not produced. What comes in supplies its value times the field.
+void FieldEquation::book(double time, double per_dt) {
+  booked_ = kept_booked_;
+  if (!has_dissipation_)
+    for_each_value([&](Index v, std::size_t c, std::size_t i) {
+      booked_.dissipated += rate(v, c) * (value(v, c) - kept_[i]);
+    });
   if (per_dt == 0) {
-    balance_.changed = sum_content() - start_ - balance_.inflow - balance_.produced;
+    const Contents now = contents();
+    for (std::size_t c = 0; c < components_; ++c)
+      booked_.of[c].changed = now[c] - start_[c] - booked_.of[c].inflow - booked_.of[c].produced;
     return;
   }
-  double produced = 0, in = 0;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v) {
-    produced += rate(v);
-    in += flux(v);
-    if (!is_free_[v] && !is_prescribed(v)) produced += taken_up(v, per_dt) - rate(v) - flux(v);
-  }
-  for (const Held& held : held_)
-    in += taken_up(held.vertex, per_dt) - rate(held.vertex) - flux(held.vertex);
-  balance_.produced += produced / per_dt;
-  balance_.inflow += in / per_dt;
+  if (has_dissipation_) booked_.dissipated += rates_.dissipation(time) / per_dt;
+  for_each_value([&](Index v, std::size_t c, std::size_t i) {
+    double produced = rate(v, c), in = flux(v, c);
+    if (is_prescribed(v, c))
+      in = taken_up(v, c, per_dt) - rate(v, c);
+    else if (!is_free_[i])
+      produced = taken_up(v, c, per_dt) - flux(v, c);
+    booked_.of[c].produced += produced / per_dt;
+    booked_.of[c].inflow += in / per_dt;
+    booked_.supplied += value(v, c) * in / per_dt;
+  });
 }
 
 }  // namespace suture

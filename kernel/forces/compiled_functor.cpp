@@ -108,7 +108,7 @@ void RowNodes::read_rest(const RestPlaces& rest, std::span<const Index> elements
 void RowNodes::read_rest_of(const RestPlaces& rest, Index cell) {
   const Index row = cells_.row(cell);
   if (row == none) return;
-  std::array<hexahedron::Local, 8> corners;
+  std::array<hexahedron::Local, hexahedron::vertices> corners;
   const Index element = cell_corners(rest.complex(), dimension_, cell, corners.data());
   Index& slot = rest_slot_[row];
   if (rest.own().slot(element) == none) {

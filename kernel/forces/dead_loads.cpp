@@ -35,11 +35,12 @@ std::array<double, 4> corner_areas(const Quad& x) {
 }
 
 /// Integral of N_a over the area of a triangle at rest, per node of its element.
-std::array<double, 8> node_areas(const RestPlaces& rest, const SurfaceTriangle& triangle) {
-  std::array<double, 8> areas{};
+std::array<double, hexahedron::vertices> node_areas(const RestPlaces& rest,
+                                                    const SurfaceTriangle& triangle) {
+  std::array<double, hexahedron::vertices> areas{};
   for (const TrianglePoint& point : quadrature_points(triangle)) {
     Vec3 x_r{}, x_s{};
-    for (std::size_t a = 0; a < 8; ++a) {
+    for (std::size_t a = 0; a < hexahedron::vertices; ++a) {
       const double* x = rest.corner(triangle.element, static_cast<unsigned>(a));
       for (std::size_t c = 0; c < 3; ++c) {
         x_r[c] += point.n_r[a] * x[c];
@@ -47,7 +48,7 @@ std::array<double, 8> node_areas(const RestPlaces& rest, const SurfaceTriangle& 
       }
     }
     const double area = point.weight * norm(cross(x_r, x_s));
-    for (std::size_t a = 0; a < 8; ++a) areas[a] += point.n[a] * area;
+    for (std::size_t a = 0; a < hexahedron::vertices; ++a) areas[a] += point.n[a] * area;
   }
   return areas;
 }
@@ -183,7 +184,7 @@ void DeadLoads::add_corners(Load& load, std::span<const SurfaceTriangle> triangl
                             const RestPlaces& rest) const {
   for (const SurfaceTriangle& triangle : triangles) {
     const auto areas = node_areas(rest, triangle);
-    for (std::uint32_t a = 0; a < 8; ++a)
+    for (std::uint32_t a = 0; a < hexahedron::vertices; ++a)
       if (areas[a] != 0)
         load.corners.push_back({triangle.element, a, scaled(areas[a], load.traction)});
   }

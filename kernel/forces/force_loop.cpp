@@ -136,19 +136,19 @@ const BatchList& ForceLoop::Impl::own_list(CompiledFunctor& functor) {
 
 // ------------------------------------------------------------------- energy --
 
-double ForceLoop::Impl::energy_of(Index number, double time, Failure& first) {
-  const auto* extension = stored_energy(functors[number]);
-  if (!extension) return 0;
+double ForceLoop::Impl::sum_of(Index number, const CellNumbers& numbers, double time,
+                               Failure& first) {
+  if (numbers.function == nullptr) return 0;
   const Index chunks = functors[number].list().chunk_count();
   std::vector<double> of_chunk(chunks);
   const loops::Rows own = share ? share->part(chunks) : loops::Rows{0, chunks};
-  run(number, "energy", time,
+  run(number, numbers.name, time,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index chunk) {
         if (chunk < own.begin || chunk >= own.end) return;
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
           double* const out = worker.results_end - lanes;
-          const suture_status status = extension->energy(worker.context, &batch, out);
+          const suture_status status = numbers.function(worker.context, &batch, out);
           if (status == SUTURE_OK) check_results({out, lanes}, batch.valid);
           for (Index l = 0; l < batch.valid; ++l) of_chunk[chunk] += out[l];
           return status;
@@ -161,13 +161,23 @@ double ForceLoop::Impl::energy_of(Index number, double time, Failure& first) {
   return sum;
 }
 
-double ForceLoop::energy(double time) {
+double ForceLoop::Impl::sum_of(CellNumbers (*numbers)(const CompiledFunctor&), double time) {
   double sum = 0;
   Failure first;
-  for (Index i = 0; i < impl_->functors.size(); ++i)
-    if (!impl_->functors[i].skipped()) sum += impl_->energy_of(i, time, first);
-  impl_->raise(first, time);
+  for (Index i = 0; i < functors.size(); ++i)
+    if (!functors[i].skipped()) sum += sum_of(i, numbers(functors[i]), time, first);
+  raise(first, time);
   return sum;
+}
+
+double ForceLoop::energy(double time) { return impl_->sum_of(energy_function, time); }
+
+double ForceLoop::dissipation(double time) { return impl_->sum_of(dissipation_function, time); }
+
+bool ForceLoop::has_dissipation() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return !functor.skipped() && dissipation_function(functor).function != nullptr;
+  });
 }
 
 // ------------------------------------------------------------ output fields --

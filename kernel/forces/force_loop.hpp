@@ -79,10 +79,14 @@ class ForceLoop final : public ForceTerm,
 
   /// Stored energy of all functors that have one, J. Summed in a fixed order.
   double energy(double time) override;
+  /// What functors dissipate (suture.dissipation/1), W; and whether an enabled one says so.
+  double dissipation(double time);
+  bool has_dissipation() const;
   /// A pass of position based dynamics over all cells (force_loop_project.cpp).
   struct Projection {
     double time = 0, dt = 0;       ///< at the end of the step, and its length, s
     const double* inverse_mass{};  ///< rows of 4, 1/kg; 0 at components that are held
+    double* velocity{};            ///< rows of 4, which change as the positions do; null: none
     bool moves = true;             ///< false: only finds the softness
   };
   /// Sums over the cells, J: their energy U, and what the pass leaves out of it.
@@ -92,8 +96,7 @@ class ForceLoop final : public ForceTerm,
   /// Moves the vertices of one cell after the other, in the order of the chunks. About two
   /// evaluations of the forces. Throws as add_forces() does.
   Softness project(const Projection& step);
-  /// The first functor that cannot be projected and why, or "": it needs an energy, and forces that
-  /// positions alone determine in a step.
+  /// The first functor that cannot be projected and why, or "": it needs an energy.
   std::string without_projection() const;
   /// The part of energy() in these elements, their edges and their faces: an operation
   /// that touches no others changes energy() by the difference. Removed elements add

@@ -34,6 +34,20 @@ inline const suture_energy_1* stored_energy(const CompiledFunctor& functor) {
   return functor.extension<suture_energy_1>(SUTURE_ENERGY_1);
 }
 
+/// A function of a functor that gives a number per cell, and its name for messages.
+struct CellNumbers {
+  suture_status (*function)(const suture_context*, const suture_batch*, double*) = nullptr;
+  const char* name = "";
+};
+inline CellNumbers energy_function(const CompiledFunctor& functor) {
+  const suture_energy_1* const table = stored_energy(functor);
+  return {table ? table->energy : nullptr, "energy"};
+}
+inline CellNumbers dissipation_function(const CompiledFunctor& functor) {
+  const auto* const table = functor.extension<suture_dissipation_1>(SUTURE_DISSIPATION_1);
+  return {table ? table->power : nullptr, "dissipation"};
+}
+
 /// The vertices of the cell in a row.
 inline const Index* nodes_of(const loops::Job& job, Index row) {
   return job.nodes + std::size_t{job.cells ? job.cells[row] : row} * job.node_count;
@@ -211,7 +225,8 @@ struct ForceLoop::Impl {
   const LiveMask& awake(const CompiledFunctor& functor) const;
   void sleep(Instance& instance, std::array<LiveMask, 4>& awake, std::span<const Index> elements);
 
-  double energy_of(Index number, double time, Failure& first);
+  double sum_of(Index number, const CellNumbers& numbers, double time, Failure& first);
+  double sum_of(CellNumbers (*numbers)(const CompiledFunctor&), double time);
   Softness project(Index number, const Projection& step);
   const std::vector<std::vector<loops::BatchRows>>& independent_batches(Index number,
                                                                         const loops::Job& job);

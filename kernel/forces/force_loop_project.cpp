@@ -24,9 +24,18 @@
 // misses about -h^2 w / 2: the pass keeps 1 / (1 + h^2 w / 2) of the stiffness. What it leaves out
 // falls with h^2.
 //
+// Forces that read velocities are the sum of f(x, 0), which the energy gives, and a viscous part
+//   g = f(x, v) - f(x, 0),   v = (x' - x) / h as the cells before have left it
+// that dissipates the power -g . v. It is the next constraint of the same cells, with the energy
+// h R, R = -g . v / 2: for a linear dashpot, h R = c (l' - l)^2 / 2h.
+//
+// A state is the accepted one in all evaluations of a step. What its functor adds to the forces
+// beside the gradient of the energy acts in full; only w does not know of it.
+//
 // Chunks come in the order of their list, in which each waits for those with which it shares
 // vertices. The cells of a chunk are packed into batches of up to 8 that share none, first fit. So
-// the bits are the same for any number of threads.
+// the bits are the same for any number of threads. Batches leave out what sleeps, and the order of
+// the others stays.
 
 namespace suture {
 namespace {
@@ -66,6 +75,14 @@ class IndependentBatches {
   std::vector<Open> open_;
 };
 
+loops::BatchRows awake_of(const loops::BatchRows& all, const std::uint8_t* live) {
+  loops::BatchRows rows{};
+  for (const Index row : std::span(all.row, all.valid))
+    if (!live || (live[row / lanes] >> row % lanes & 1) != 0) rows.row[rows.valid++] = row;
+  if (rows.valid > 0) std::fill(rows.row + rows.valid, rows.row + lanes, rows.row[rows.valid - 1]);
+  return rows;
+}
+
 /// Moves the nodes of the cells of a batch, whose energies are given.
 ForceLoop::Softness move_nodes(const ForceLoop::Projection& step, const loops::Job& job,
                                const loops::BatchRows& rows, const double* force,
@@ -87,8 +104,11 @@ ForceLoop::Softness move_nodes(const ForceLoop::Projection& step, const loops::J
     sum.energy += energy[l];
     sum.missing += softness / (2 + softness) * energy[l];
     if (!step.moves) continue;
-    for_each_component(
-        [&](std::size_t row, double f) { position[row] += factor * step.inverse_mass[row] * f; });
+    for_each_component([&](std::size_t row, double f) {
+      const double way = factor * step.inverse_mass[row] * f;
+      position[row] += way;
+      if (step.velocity) step.velocity[row] += way / step.dt;
+    });
   }
   return sum;
 }
@@ -105,6 +125,34 @@ bool are_finite(const suture_batch& batch, const std::array<double, lanes>& ener
     return false;
   }
   return true;
+}
+
+/// Velocities of the nodes of a batch that stands still.
+alignas(64) constexpr double at_rest[8 * 3 * lanes] = {};
+
+/// Moves the nodes by the part of the forces of a batch that its velocities give.
+suture_status project_viscosity(const ForceLoop::Projection& step, const loops::Job& job,
+                                const loops::Worker& worker, suture_batch& batch,
+                                const loops::BatchRows& rows, double* position) {
+  const std::size_t numbers = std::size_t{job.node_count} * 3 * lanes;
+  const double* const velocity = batch.velocity;
+  batch.force = worker.results_end - numbers;
+  suture_status status = job.function(worker.context, &batch);
+  if (status != SUTURE_OK) return status;
+  std::array<double, 8 * 3 * lanes> viscous;
+  std::copy_n(batch.force, numbers, viscous.begin());
+  batch.velocity = at_rest;
+  status = job.function(worker.context, &batch);
+  if (status != SUTURE_OK) return status;
+  std::array<double, lanes> energy{};
+  for (std::size_t i = 0; i < numbers; ++i) {
+    viscous[i] -= batch.force[i];
+    energy[i % lanes] -= step.dt / 2 * viscous[i] * velocity[i];
+  }
+  batch.force = viscous.data();
+  if (!are_finite(batch, energy, *worker.context->error)) return SUTURE_RETRY;
+  move_nodes(step, job, rows, batch.force, energy, position);
+  return status;
 }
 
 }  // namespace
@@ -128,10 +176,12 @@ const std::vector<std::vector<loops::BatchRows>>& ForceLoop::Impl::independent_b
 ForceLoop::Softness ForceLoop::Impl::project(Index number, const Projection& step) {
   CompiledFunctor& functor = functors[number];
   const suture_energy_1& stored = *stored_energy(functor);
-  const LiveMask& live = functor.cells().live();
+  const LiveMask& live = awake(functor);
   double* const position = attributes.position().rows();
+  const bool is_viscous = step.velocity && (functor.reads() & SUTURE_READ_VELOCITY) != 0;
   const auto& batches = independent_batches(
-      number, functor.job(attributes, *complex, live, step.time, step.dt, position));
+      number,
+      functor.job(attributes, *complex, functor.cells().live(), step.time, step.dt, position));
   std::vector<Softness> of_chunk(batches.size());
   run(number, "force", live, step.time, step.dt, position,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows>,
@@ -143,6 +193,7 @@ ForceLoop::Softness ForceLoop::Impl::project(Index number, const Projection& ste
           std::array<double, lanes> energy;
           std::copy_n(energies, lanes, energy.begin());
           batch.force = worker.results_end - job.node_count * 3 * lanes;
+          batch.velocity = at_rest;
           status = job.function(worker.context, &batch);
           if (status != SUTURE_OK) return status;
           if (!are_finite(batch, energy, *worker.context->error)) return SUTURE_RETRY;
@@ -151,7 +202,15 @@ ForceLoop::Softness ForceLoop::Impl::project(Index number, const Projection& ste
           of_chunk[chunk].missing += here.missing;
           return status;
         };
-        for (const loops::BatchRows& rows : batches[chunk]) visit_batch(job, worker, rows, project);
+        const auto project_viscous = [&](suture_batch& batch, const loops::BatchRows& rows) {
+          return project_viscosity(step, job, worker, batch, rows, position);
+        };
+        for (const loops::BatchRows& all : batches[chunk]) {
+          const loops::BatchRows rows = awake_of(all, job.live);
+          if (rows.valid == 0) continue;
+          visit_batch(job, worker, rows, project);
+          if (is_viscous) visit_batch(job, worker, rows, project_viscous);
+        }
       });
   Softness sum;
   for (const Softness& part : of_chunk) {
@@ -175,10 +234,12 @@ ForceLoop::Softness ForceLoop::project(const Projection& step) {
 
 std::string ForceLoop::without_projection() const {
   for (const CompiledFunctor& functor : impl_->functors) {
-    if (functor.skipped()) continue;
-    if (!stored_energy(functor)) return functor.title() + " has no energy (suture.energy/1)";
-    if ((functor.reads() & SUTURE_READ_VELOCITY) != 0) return functor.title() + " reads velocities";
-    if (functor.has_states()) return functor.title() + " keeps a state";
+    if (functor.skipped() || stored_energy(functor)) continue;
+    if ((functor.instance().model().flags & SUTURE_ACTIVE) != 0)
+      return functor.title() + " is active: its forces have no energy";
+    if (functor.reads_field())
+      return functor.title() + " reads a field, with which its energy changes";
+    return functor.title() + " has no energy (suture.energy/1)";
   }
   return "";
 }

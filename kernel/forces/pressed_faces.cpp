@@ -48,8 +48,8 @@ namespace {
 template <class Visit>
 void for_each_pair(Visit visit) {
   std::size_t pair = 0;
-  for (std::size_t b = 1; b < 8; ++b)
-    for (std::size_t c = b + 1; c < 8; ++c) visit(pair++, b, c);
+  for (std::size_t b = 1; b < PressedPart::node_count; ++b)
+    for (std::size_t c = b + 1; c < PressedPart::node_count; ++c) visit(pair++, b, c);
 }
 
 /// A normal that points inward takes r and s the other way round.
@@ -58,13 +58,14 @@ void add_products(PressedPart& part, const SurfaceTriangle& triangle) {
     for_each_pair([&](std::size_t pair, std::size_t b, std::size_t c) {
       const double product =
           point.weight * (point.n_s[b] * point.n_r[c] - point.n_r[b] * point.n_s[c]);
-      for (std::size_t a = 0; a < 8; ++a) part.products[a][pair] += point.n[a] * product;
+      for (std::size_t a = 0; a < PressedPart::node_count; ++a)
+        part.products[a][pair] += point.n[a] * product;
     });
 }
 
 PressedPart::Positions relative(const PressedPart::Positions& x) {
   PressedPart::Positions y;
-  for (std::size_t a = 0; a < 8; ++a) y[a] = minus(x[a], x[0]);
+  for (std::size_t a = 0; a < PressedPart::node_count; ++a) y[a] = minus(x[a], x[0]);
   return y;
 }
 
@@ -88,7 +89,7 @@ PressedPart::Positions PressedPart::forces(const Positions& x, double pressure) 
   Positions forces{};
   for_each_pair([&](std::size_t pair, std::size_t b, std::size_t c) {
     const Vec3 area = scaled(pressure, cross(y[b], y[c]));
-    for (std::size_t a = 0; a < 8; ++a)
+    for (std::size_t a = 0; a < PressedPart::node_count; ++a)
       for (std::size_t i = 0; i < 3; ++i) forces[a][i] += products[a][pair] * area[i];
   });
   return forces;
@@ -98,7 +99,7 @@ PressedPart::Positions PressedPart::forces(const Positions& x, double pressure) 
 PressedPart::Arms PressedPart::arms(const Positions& x) const {
   const Positions y = relative(x);
   Arms w{};
-  for (std::size_t a = 0; a < 8; ++a)
+  for (std::size_t a = 0; a < PressedPart::node_count; ++a)
     for_each_pair([&](std::size_t pair, std::size_t b, std::size_t c) {
       const double product = products[a][pair];
       for (std::size_t i = 0; i < 3; ++i) {

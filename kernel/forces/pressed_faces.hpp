@@ -38,7 +38,7 @@ struct PressedFace {
 /// The triangles of the embedded surface in one element. On a closed surface the forces add up to
 /// zero: the surface has no gaps between elements, and the quadrature is exact.
 struct PressedPart {
-  static constexpr std::size_t node_count = 8;
+  static constexpr std::size_t node_count = hexahedron::vertices;
   static constexpr bool may_be_divided = true;   ///< by a cut along a blade
   static constexpr std::size_t pair_count = 21;  ///< of nodes 1 <= b < c <= 7
   using Given = SurfaceTriangle;

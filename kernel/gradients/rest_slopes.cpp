@@ -124,7 +124,8 @@ double shortest_edge(const Body& body) {
   const RestPlaces rest = body.attributes().rest_places(body.complex());
   double least = std::numeric_limits<double>::infinity();
   for (Index e = 0; e < body.complex().element_count(); ++e)
-    for (std::size_t node = 1; node < 8 && body.complex().exists(3, e); node *= 2) {
+    for (std::size_t node = 1; node < hexahedron::vertices && body.complex().exists(3, e);
+         node *= 2) {
       const double *a = rest.corner(e, 0), *b = rest.corner(e, node);
       least = std::min(least, std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
     }

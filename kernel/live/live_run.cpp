@@ -18,6 +18,9 @@ using Seconds = std::chrono::duration<double>;
 /// Between pictures, s: the time of a run that they take is at most a twentieth, unless there would
 /// be less than 15 of them in a second.
 constexpr double shortest_interval = 1.0 / 60, longest_interval = 1.0 / 15, share = 0.05;
+/// After a picture for pages that may still come, in times of its own: a script that nobody watches
+/// loses at most a twentieth of its time.
+constexpr int unwatched_rest = 20;
 /// Steps are made for so long before inputs are looked at again.
 constexpr double slice = 0.004, slice_with_device = 0.001;
 /// A run that cannot keep up does not try to catch up on more than this, s.
@@ -147,9 +150,11 @@ void LiveRun::watch() {
 void LiveRun::show_last() {
   report_warnings();
   status_.is_playing = false;
-  if (!server_.is_watched()) return;
+  const Wall::time_point start = Wall::now();
+  if (!server_.is_watched() && start < next_unwatched_) return;
   pictures_->plot();
   server_.show(pictures_->picture(status_));
+  next_unwatched_ = Wall::now() + unwatched_rest * (Wall::now() - start);
 }
 
 void LiveRun::resume(Checkpoint checkpoint, const std::filesystem::path& file, Observer& observer) {

@@ -55,7 +55,8 @@ class LiveRun {
 
   /// Shows the state if a picture is due; pages watch only. Call before each step.
   void watch();
-  /// Shows the state. Call after the last of some steps, or an input.
+  /// Shows the state, also to a page that comes later. Call after the last of some steps, or an
+  /// input.
   void show_last();
   /// An input that the script has applied.
   void record(const RecordedInput& input);
@@ -144,7 +145,7 @@ class LiveRun {
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;
-  Wall::time_point playing_since_, next_picture_, acted_;
+  Wall::time_point playing_since_, next_picture_, next_unwatched_, acted_;
   double seconds_per_step_ = 0, dt_ = 0;
   /// Since status_ was last measured.
   struct Measured {

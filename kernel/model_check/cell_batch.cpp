@@ -158,11 +158,20 @@ CellForces BatchCaller::checked_force(const CellBatch& in) {
 }
 
 std::array<double, lanes> BatchCaller::energy(const CellBatch& in) {
+  return numbers("energy", in, extension_of<suture_energy_1>(*in.functor, SUTURE_ENERGY_1)->energy);
+}
+
+std::array<double, lanes> BatchCaller::dissipation(const CellBatch& in) {
+  return numbers("dissipation", in,
+                 extension_of<suture_dissipation_1>(*in.functor, SUTURE_DISSIPATION_1)->power);
+}
+
+std::array<double, lanes> BatchCaller::numbers(const char* name, const CellBatch& in,
+                                               NumberFunction* function) {
   alignas(SUTURE_ALIGNMENT) std::array<double, lanes> out{};
-  const auto* table = extension_of<suture_energy_1>(*in.functor, SUTURE_ENERGY_1);
   BatchView view(in);
-  call("energy", in, view.batch(), [&](const suture_context* context, const suture_batch* batch) {
-    return table->energy(context, batch, out.data());
+  call(name, in, view.batch(), [&](const suture_context* context, const suture_batch* batch) {
+    return function(context, batch, out.data());
   });
   return out;
 }

@@ -52,6 +52,8 @@ class BatchCaller {
   CellForces checked_force(const CellBatch& in);
   /// J, by lane. The functor has an energy.
   std::array<double, SUTURE_LANES> energy(const CellBatch& in);
+  /// W, by lane. The functor has suture.dissipation/1.
+  std::array<double, SUTURE_LANES> dissipation(const CellBatch& in);
   /// The derivative in the direction (dx, dv). The functor has a tangent.
   AlignedVector<double> tangent(const CellBatch& in, const AlignedVector<double>& dx,
                                 const AlignedVector<double>& dv);
@@ -78,6 +80,9 @@ class BatchCaller {
   }
 
  private:
+  using NumberFunction = suture_status(const suture_context*, const suture_batch*, double*);
+  std::array<double, SUTURE_LANES> numbers(const char* name, const CellBatch& in,
+                                           NumberFunction* function);
   PluginCall describe_call(const char* name, const CellBatch& in, const suture_batch& batch) const;
   void reset_error();
   static void require_no_warning();

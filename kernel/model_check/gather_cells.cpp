@@ -91,7 +91,7 @@ class Gathering {
   int dimension_;
   RestPlaces places_;
   FunctorCorners corners_{};
-  Index nodes_[8]{};
+  Index nodes_[hexahedron::vertices]{};
 };
 
 }  // namespace

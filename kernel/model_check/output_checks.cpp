@@ -80,6 +80,14 @@ class Outputs {
       return table->energy(context, batch, outputs[0].data());
     });
   }
+  void dissipation() {
+    const auto* table = extension_of<suture_dissipation_1>(functor_, SUTURE_DISSIPATION_1);
+    if (table == nullptr) return;
+    with({{"the power dissipated", 1}}, "dissipation",
+         [&](auto* context, auto* batch, auto& outputs) {
+           return table->power(context, batch, outputs[0].data());
+         });
+  }
   void bounds() {
     const auto* table = extension_of<suture_stable_dt_1>(functor_, SUTURE_STABLE_DT_1);
     if (table == nullptr) return;
@@ -153,6 +161,7 @@ Result outputs(const BatchCase& of) {
   BatchCaller(of.instance).checked_force(of.batch);
   Outputs outputs(of);
   outputs.energy();
+  outputs.dissipation();
   outputs.bounds();
   outputs.tangent();
   outputs.fields();

@@ -54,25 +54,29 @@ CellBatch whole(const CellBatch& parts, const suture_functor& functor) {
   return batch;
 }
 
-/// A homogeneous deformation, without motion.
+/// A homogeneous deformation, without motion, where fields have the value of the first node.
 void deform(CellBatch& batch, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::array<Vec3, 3> F{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   for (Vec3& row : F)
     for (double& x : row) x += between(random, -0.1, 0.1);
-  for (std::size_t n = 0; n < 8; ++n)
+  for (std::size_t n = 0; n < hexahedron::vertices; ++n)
     for (std::size_t l = 0; l < SUTURE_LANES; ++l) {
       const Vec3 x = rotated(F, vector_of_node(batch.rest, n, l));
       for (std::size_t c = 0; c < 3; ++c) batch.position[CellBatch::place(n, c, l)] = x[c];
     }
   std::ranges::fill(batch.velocity, 0.0);
+  for (Values& column : batch.vertex_columns) {
+    const std::size_t size = column.size() / batch.nodes();
+    for (std::size_t i = size; i < column.size(); ++i) column[i] = column[i - size];
+  }
 }
 
 /// P of an element in a homogeneous state: the virial of its forces, -sum f_n x X_n / V.
 std::array<Vec3, 3> stress_of(const Values& force, const Values& rest, std::size_t lane) {
   const double volume = hexahedron_volume(nodes_of(rest, lane));
   std::array<Vec3, 3> P{};
-  for (std::size_t n = 0; n < 8; ++n) {
+  for (std::size_t n = 0; n < hexahedron::vertices; ++n) {
     const Vec3 f = vector_of_node(force, n, lane);
     const Vec3 X = minus(vector_of_node(rest, n, lane), vector_of_node(rest, 0, lane));
     for (std::size_t i = 0; i < 3; ++i)
@@ -88,7 +92,9 @@ std::array<Vec3, 3> stress_of(const Values& force, const Values& rest, std::size
 // body. P is that of whole elements in the same state.
 Result patch(const BatchCase& of) {
   const suture_functor* const functor = functor_of_whole(of.instance, of.batch.functor);
-  if (functor == nullptr || (of.instance.model().flags & SUTURE_CONTINUUM) == 0) return {};
+  if (functor == nullptr || functor->field != 0 ||
+      (of.instance.model().flags & SUTURE_CONTINUUM) == 0)
+    return {};
   CellBatch batch = of.batch;
   deform(batch, of.seed);
   BatchCaller caller(of.instance);
@@ -99,7 +105,7 @@ Result patch(const BatchCase& of) {
     const std::array<Vec3, 3> P = stress_of(forces, batch.rest, l);
     const HexahedronNodes rest = nodes_of(batch.rest, l);
     double size = 0, difference = 0;
-    for (int n = 0; n < 8; ++n) {
+    for (int n = 0; n < hexahedron::vertices; ++n) {
       const Vec3 gradient = integral_of_gradient(batch.ids[l], n, rest);
       const Vec3 expected{-dot(P[0], gradient), -dot(P[1], gradient), -dot(P[2], gradient)};
       size = std::max(size, norm(expected));

@@ -15,6 +15,7 @@ using Values = AlignedVector<double>;
 /// What rates are differentiated by: a vertex column of the functor, in the tangent dx or dv.
 struct Variable {
   std::size_t column;
+  std::size_t components;
   bool is_rate;  ///< of the field (SUTURE_FIELD_RATE), not its value
 };
 
@@ -22,9 +23,11 @@ std::vector<Variable> variables_of(const suture_model& model, const suture_funct
   std::vector<Variable> variables;
   for (std::size_t i = 0; i < functor.vertex_column_count; ++i) {
     const std::uint32_t a = functor.vertex_columns[i];
-    if (a == functor.field - 1) variables.push_back({i, false});
-    if (a != UINT32_MAX && (model.attributes[a].flags & SUTURE_FIELD_RATE) != 0)
-      variables.push_back({i, true});
+    if (a == UINT32_MAX) continue;
+    const std::size_t components = model.attributes[a].components;
+    if (a == functor.field - 1) variables.push_back({i, components, false});
+    if ((model.attributes[a].flags & SUTURE_FIELD_RATE) != 0)
+      variables.push_back({i, components, true});
   }
   return variables;
 }
@@ -41,10 +44,11 @@ bool feels_motion(BatchCaller& caller, const CellBatch& batch, const Values& rat
 /// The sum of the rates of a cell over the largest; those on vertices are sources.
 Measured imbalance(const CellBatch& batch, const Values& rates) {
   Measured worst;
-  for (std::size_t lane = 0; lane < batch.valid; ++lane) {
+  for (std::size_t i = 0; i < 3 * batch.valid; ++i) {
+    const std::size_t lane = i / 3;
     double sum = 0, largest = 0;
     for (std::size_t n = 0; n < batch.nodes(); ++n) {
-      const double rate = rates[CellBatch::place(n, 0, lane)];
+      const double rate = rates[CellBatch::place(n, i % 3, lane)];
       sum += rate;
       largest = std::max(largest, std::abs(rate));
     }
@@ -58,14 +62,46 @@ Measured imbalance(const CellBatch& batch, const Values& rates) {
   return worst;
 }
 
-/// The derivatives by the variable at node `node`, by differences.
+/// What the field loses in a cell that does not move, against the power that it dissipates:
+///   sum_n u_n r_n = - D
+Measured dissipation_error(BatchCaller& caller, const CellBatch& moving) {
+  const auto* table = extension_of<suture_dissipation_1>(*moving.functor, SUTURE_DISSIPATION_1);
+  if (table == nullptr) return {};
+  CellBatch batch = moving;
+  std::ranges::fill(batch.velocity, 0.0);
+  const suture_functor& functor = *batch.functor;
+  const auto place = std::span(functor.vertex_columns, functor.vertex_column_count).begin();
+  const auto column = static_cast<std::size_t>(
+      std::find(place, place + functor.vertex_column_count, functor.field - 1) - place);
+  const Values& field = batch.vertex_columns[column];
+  const std::size_t components = field.size() / (batch.nodes() * SUTURE_LANES);
+  const Values rates = caller.force(batch).force;
+  const auto power = caller.dissipation(batch);
+  Measured worst;
+  for (std::size_t lane = 0; lane < batch.valid; ++lane) {
+    double lost = 0, scale = std::abs(power[lane]);
+    for (std::size_t i = 0; i < batch.nodes() * components; ++i) {
+      const double part = field[i * SUTURE_LANES + lane] *
+                          rates[CellBatch::place(i / components, i % components, lane)];
+      lost -= part;
+      scale = std::max(scale, std::abs(part));
+    }
+    if (scale > 0 && !(std::abs(lost - power[lane]) / scale <= worst.figure))
+      worst = {std::abs(lost - power[lane]) / scale,
+               "cell " + std::to_string(batch.ids[lane]) + " dissipates " +
+                   std::to_string(power[lane]) + " W, and its field loses " + std::to_string(lost)};
+  }
+  return worst;
+}
+
+/// The derivatives by number `number` of the variable, node by node, by differences.
 Values rate_difference(BatchCaller& caller, const CellBatch& batch, std::size_t column,
-                       std::size_t node, double part) {
+                       std::size_t number, double part) {
   const double step = part * std::max(1.0, largest(batch.vertex_columns[column]));
   const auto at = [&](double h) {
     CellBatch changed = batch;
     for (std::size_t l = 0; l < SUTURE_LANES; ++l)
-      changed.vertex_columns[column][node * SUTURE_LANES + l] += h;
+      changed.vertex_columns[column][number * SUTURE_LANES + l] += h;
     return caller.force(changed).force;
   };
   Values slope = at(step);
@@ -74,11 +110,13 @@ Values rate_difference(BatchCaller& caller, const CellBatch& batch, std::size_t 
   return slope;
 }
 
-Values rate_tangent(BatchCaller& caller, const CellBatch& batch, bool by_rate, std::size_t node) {
+Values rate_tangent(BatchCaller& caller, const CellBatch& batch, const Variable& by,
+                    std::size_t number) {
   const Values zero(batch.vector_size());
   Values unit = zero;
-  for (std::size_t l = 0; l < SUTURE_LANES; ++l) unit[CellBatch::place(node, 0, l)] = 1;
-  return by_rate ? caller.tangent(batch, zero, unit) : caller.tangent(batch, unit, zero);
+  for (std::size_t l = 0; l < SUTURE_LANES; ++l)
+    unit[CellBatch::place(number / by.components, number % by.components, l)] = 1;
+  return by.is_rate ? caller.tangent(batch, zero, unit) : caller.tangent(batch, unit, zero);
 }
 
 /// The tangent against differences over this part of the largest value, and its symmetry.
@@ -86,8 +124,9 @@ Measured tangent_error(BatchCaller& caller, const CellBatch& batch, const Variab
                        double part) {
   std::vector<Values> tangents;
   double scale = 0;
-  for (std::size_t n = 0; n < batch.nodes(); ++n) {
-    tangents.push_back(rate_tangent(caller, batch, by.is_rate, n));
+  const std::size_t numbers = batch.nodes() * by.components;
+  for (std::size_t n = 0; n < numbers; ++n) {
+    tangents.push_back(rate_tangent(caller, batch, by, n));
     scale = std::max(scale, largest(tangents.back()));
   }
   Measured worst;
@@ -95,29 +134,32 @@ Measured tangent_error(BatchCaller& caller, const CellBatch& batch, const Variab
   const auto keep_worse = [&](const Measured& found) {
     if (!(found.figure <= worst.figure)) worst = found;
   };
-  for (std::size_t n = 0; n < batch.nodes(); ++n) {
+  const auto place = [&](std::size_t number, std::size_t lane) {
+    return CellBatch::place(number / by.components, number % by.components, lane);
+  };
+  for (std::size_t n = 0; n < numbers; ++n) {
     const Values expected = rate_difference(caller, batch, by.column, n, part);
     keep_worse(compare(batch, tangents[n], expected, scale, "the derivative of the rate"));
     for (std::size_t m = 0; m < n; ++m)
       for (std::size_t lane = 0; lane < batch.valid; ++lane)
-        keep_worse({std::abs(tangents[n][CellBatch::place(m, 0, lane)] -
-                             tangents[m][CellBatch::place(n, 0, lane)]) /
-                        scale,
-                    "the derivatives of the rates at nodes " + std::to_string(m) + " and " +
-                        std::to_string(n) + " are not symmetric"});
+        keep_worse({std::abs(tangents[n][place(m, lane)] - tangents[m][place(n, lane)]) / scale,
+                    "the derivatives of the rates at nodes " + std::to_string(m / by.components) +
+                        " and " + std::to_string(n / by.components) + " are not symmetric"});
   }
   return worst;
 }
 
-/// sum C u for each field with a capacity.
+/// sum C u for each component of a field with a capacity.
 std::vector<double> contents(SampleBody& sample) {
   std::vector<double> contents;
   for (const VertexField& field : sample.body().attributes().fields()) {
     if (!field.capacity) continue;
-    contents.push_back(0);
-    for (Index v = 0; v < field.values->size(); ++v)
-      if (sample.body().complex().exists(0, v))
-        contents.back() += field.capacity->get(v, 0) * field.values->get(v, 0);
+    for (int c = 0; c < field.values->spec().components; ++c) {
+      contents.push_back(0);
+      for (Index v = 0; v < field.values->size(); ++v)
+        if (sample.body().complex().exists(0, v))
+          contents.back() += field.capacity->get(v, 0) * field.values->get(v, c);
+    }
   }
   return contents;
 }
@@ -185,15 +227,18 @@ Result coupling(const BodyCase& of) {
     AlignedVector<double> rows(std::size_t{attributes.vertex_count()} * 4);
     field.rates().add_forces(time, 0, ForceLoop::Part::all, rows.data());
     std::vector<double> values;
-    for (std::size_t i = 0; i < rows.size(); i += 4) values.push_back(rows[i]);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (i % 4 < field.components()) values.push_back(rows[i]);
     return values;
   };
   std::mt19937_64 random(of.sample.options().seed);
-  const std::size_t count = attributes.vertex_count();
-  const auto way = random_values(3 * count, 1, random), change = random_values(count, 1, random);
+  const std::size_t count = attributes.vertex_count() * field.components();
+  const auto way = random_values(std::size_t{3} * attributes.vertex_count(), 1, random),
+             change = random_values(count, 1, random);
   constexpr double step = 1e-6;
   const double of_force =
-      product(way, difference(*attributes.fields().front().values, 1, change, 1e-4, forces));
+      product(way, difference(*attributes.fields().front().values,
+                              static_cast<int>(field.components()), change, 1e-4, forces));
   const double of_rate = product(change, difference(attributes.position(), 3, way, step, rates)) -
                          product(change, difference(attributes.velocity(), 3, way, 1, rates));
   const double scale = std::max(std::abs(of_force), std::abs(of_rate));
@@ -210,6 +255,8 @@ Result rates(const BatchCase& of) {
   const Values values = caller.force(batch).force;
   const bool has_source = batch.functor->dimension == 0 || feels_motion(caller, batch, values);
   Measured worst = has_source ? Measured{} : imbalance(batch, values);
+  if (const Measured lost = dissipation_error(caller, batch); !(lost.figure <= worst.figure))
+    worst = lost;
   for (const Variable& by : variables_of(of.instance.model(), *batch.functor)) {
     // Beside a source by the motion, the rates of small changes are rounding.
     Measured found = tangent_error(caller, batch, by, 1e-4);

@@ -24,7 +24,8 @@ constexpr Rotation skew{{{1, 0.3, -0.2}, {0.1, 1, 0.25}, {-0.15, 0.2, 1}}};
 std::vector<HexahedronNodes> corners_of(const Mesh& mesh) {
   std::vector<HexahedronNodes> corners(mesh.hexahedra.size());
   for (std::size_t e = 0; e < corners.size(); ++e)
-    for (std::size_t n = 0; n < 8; ++n) corners[e][n] = mesh.points[mesh.hexahedra[e][n]];
+    for (std::size_t n = 0; n < hexahedron::vertices; ++n)
+      corners[e][n] = mesh.points[mesh.hexahedra[e][n]];
   return corners;
 }
 
@@ -191,7 +192,8 @@ void SampleBody::vary_fields() {
     const double initial = field.values->spec().initial;
     const double amount = 0.02 * std::max(1.0, std::abs(initial));
     for (Index v = 0; v < field.values->size(); ++v)
-      field.values->set(v, 0, initial + between(random, -amount, amount));
+      for (int c = 0; c < field.values->spec().components; ++c)
+        field.values->set(v, c, initial + between(random, -amount, amount));
   }
 }
 

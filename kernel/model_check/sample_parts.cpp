@@ -7,6 +7,7 @@
 #include "kernel/parts/division.hpp"
 #include "kernel/parts/general_part.hpp"
 #include "kernel/parts/moments.hpp"
+#include "kernel/topology/hexahedron_tables.hpp"
 
 namespace suture {
 namespace {
@@ -70,7 +71,7 @@ Vec3 gradient(int node, const Vec3& x, const std::array<Vec3, 8>& rest) {
     return product;
   };
   std::array<Vec3, 3> J{};  // columns
-  for (Index n = 0; n < 8; ++n)
+  for (Index n = 0; n < hexahedron::vertices; ++n)
     for (std::size_t a = 0; a < 3; ++a) J[a] = plus(J[a], scaled(slope(n, a), rest[n]));
   Vec3 sum{};
   for (std::size_t a = 0; a < 3; ++a)

@@ -111,6 +111,7 @@ using Fields = std::map<std::string, std::uint32_t>;
 
 void check_functions(const ExtensionCheck& check, Fields& fields) {
   check.one(SUTURE_ENERGY_1, &suture_energy_1::energy);
+  check.one(SUTURE_DISSIPATION_1, &suture_dissipation_1::power);
   check.one(SUTURE_STABLE_DT_1, &suture_stable_dt_1::bounds);
   check.one(SUTURE_TANGENT_1, &suture_tangent_1::apply);
   check.single_tangent();

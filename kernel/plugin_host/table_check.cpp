@@ -157,28 +157,43 @@ void check_of_field(const Entry& entry, const suture_model& m, std::uint32_t pla
   const suture_attribute& a = m.attributes[place];
   if ((a.flags & flag) == 0) return;
   const bool is_sum = flag != SUTURE_FIELD_RATE;
-  entry.require(a.dimension == 0 && a.components == 1 &&
-                    a.policy == (is_sum ? SUTURE_FROM_VOLUMES : SUTURE_COPY) &&
-                    (a.flags & (other_uses | SUTURE_FIELD | uses_of_field) & ~flag) == 0,
-                "has " + name + ": expected dimension 0, 1 component, policy " +
-                    (is_sum ? "SUTURE_FROM_VOLUMES" : "SUTURE_COPY") +
-                    " and neither a trial copy nor another use");
   std::uint32_t before = place;
   while (before > 0 && (m.attributes[before - 1].flags & (SUTURE_FIELD | flag)) == 0) --before;
-  entry.require(before > 0 && (m.attributes[before - 1].flags & SUTURE_FIELD) != 0,
-                "has " + name + ", but no field (SUTURE_FIELD) stands before it that has none yet");
+  if (!entry.require(
+          before > 0 && (m.attributes[before - 1].flags & SUTURE_FIELD) != 0,
+          "has " + name + ", but no field (SUTURE_FIELD) stands before it that has none yet"))
+    return;
+  const std::uint32_t components = is_sum ? 1 : m.attributes[before - 1].components;
+  entry.require(a.dimension == 0 && a.components == components &&
+                    a.policy == (is_sum ? SUTURE_FROM_VOLUMES : SUTURE_COPY) &&
+                    (a.flags & (other_uses | SUTURE_FIELD | uses_of_field) & ~flag) == 0,
+                "has " + name + ": expected dimension 0, " + std::to_string(components) +
+                    (components == 1 ? " component" : " components") + ", policy " +
+                    (is_sum ? "SUTURE_FROM_VOLUMES" : "SUTURE_COPY") +
+                    " and neither a trial copy nor another use");
+}
+
+/// The values that a scene may give; both 0: any.
+void check_range(const Entry& entry, const suture_attribute& a) {
+  if (a.minimum == 0 && a.maximum == 0) return;
+  if (!entry.require((a.flags & SUTURE_FIELD) != 0, "has a range without SUTURE_FIELD")) return;
+  entry.require(a.minimum < a.maximum, "its minimum is not below its maximum");
+  entry.require(!(a.initial < a.minimum || a.initial > a.maximum),
+                "its initial value lies outside of its range");
 }
 
 /// An unknown on vertices, and what belongs to it.
 void check_field(const Entry& entry, const suture_model& m, std::uint32_t place) {
   const suture_attribute& a = m.attributes[place];
   if ((a.flags & SUTURE_FIELD) != 0)
-    entry.require(a.dimension == 0 && a.components == 1 && a.policy == SUTURE_COPY &&
+    entry.require(a.dimension == 0 && a.components <= 3 && a.policy == SUTURE_COPY &&
                       (a.flags & (other_uses | uses_of_field)) == 0,
-                  "has SUTURE_FIELD: expected dimension 0, 1 component, policy SUTURE_COPY and "
+                  "has SUTURE_FIELD: expected dimension 0, 1 to 3 components, policy SUTURE_COPY "
+                  "and "
                   "neither a trial copy nor another use");
   else
     entry.require((a.flags & SUTURE_RISING) == 0, "has SUTURE_RISING without SUTURE_FIELD");
+  check_range(entry, a);
   check_of_field(entry, m, place, SUTURE_CAPACITY, "SUTURE_CAPACITY");
   check_of_field(entry, m, place, SUTURE_RELAXATION, "SUTURE_RELAXATION");
   check_of_field(entry, m, place, SUTURE_FIELD_RATE, "SUTURE_FIELD_RATE");

@@ -40,17 +40,19 @@ FieldChoice vertex_vector(std::string name, std::string unit, bool needs_force, 
 
 // column(built): one value of each vertex.
 template <class ColumnOf>
-FieldChoice vertex_scalar(std::string name, std::string unit, ColumnOf column) {
+FieldChoice vertex_column(std::string name, std::string unit, int components, ColumnOf column) {
   FieldChoice field{std::move(name), On::points, false, {}};
   field.unit = std::move(unit);
-  field.value = [column](BuiltScene& built, const Vec3&, Index v, int) {
-    return column(built).get(v, 0);
+  field.components = components;
+  field.value = [column](BuiltScene& built, const Vec3&, Index v, int c) {
+    return column(built).get(v, c);
   };
-  field.fill = [column](BuiltScene& built, const Vec3&, double, FrameField& out) {
+  field.fill = [column, components](BuiltScene& built, const Vec3&, double, FrameField& out) {
     const Column& values = column(built);
-    out.components = 1;
-    out.values.resize(values.size());
-    for (Index i = 0; i < values.size(); ++i) out.values[i] = values.get(i, 0);
+    out.components = components;
+    out.values.clear();
+    for (Index i = 0; i < values.size(); ++i)
+      for (int c = 0; c < components; ++c) out.values.push_back(values.get(i, c));
   };
   return field;
 }
@@ -287,11 +289,11 @@ const std::vector<FieldChoice>& kernel_fields() {
       vertex_vector("force", "N", true, total_force),
       vertex_vector("reaction", "N", true, reaction),
       vertex_vector("reaction_moment", "N m", true, reaction_moment),
-      vertex_scalar(
-          "mass", "kg",
+      vertex_column(
+          "mass", "kg", 1,
           [](BuiltScene& built) -> const Column& { return built.body().attributes().mass(); }),
-      vertex_scalar(
-          "fixed", "1",
+      vertex_column(
+          "fixed", "1", 1,
           [](BuiltScene& built) -> const Column& { return built.body().attributes().fixed(); }),
       integers("node_id", On::points,
                [](BuiltScene& built, Index v) {
@@ -318,9 +320,11 @@ std::vector<FieldChoice> model_fields(BuiltScene& built) {
     }
   }
   for (const VertexField& field : built.body().attributes().fields())
-    add_once(fields,
-             vertex_scalar(
-                 field.name, field.unit, [&field](BuiltScene&) -> auto& { return *field.values; }));
+    add_once(fields, vertex_column(
+                         field.name, field.unit,
+                         field.values->spec().components, [&field](BuiltScene&) -> auto& {
+                           return *field.values;
+                         }));
   return fields;
 }
 

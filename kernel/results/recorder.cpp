@@ -101,11 +101,13 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     columns.insert(columns.end(),
                    {"prescribed [J]", "models [J]", "events [J]", "dissipated [J]", "balance [J]"});
     for (const FieldEquation& field : built.body().fields()) {
-      for (const char* part : {"content", "inflow", "produced", "changed"})
-        columns.push_back(field.field().name + ' ' + part + " [" + field.unit_of_content() + ']');
+      for (std::size_t c = 0; c < field.components(); ++c)
+        for (const char* part : {"content", "inflow", "produced", "changed"})
+          columns.push_back(field.name(c) + ' ' + part + " [" + field.unit_of_content() + ']');
       if (field.has_energy())
         for (const char* part : {" energy [J]", " dissipated [J]"})
           columns.push_back(field.field().name + part);
+      if (field.has_dissipation()) columns.push_back(field.field().name + " supplied [J]");
     }
     energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);
   }
@@ -244,9 +246,14 @@ void Recorder::energies(std::uint64_t step, double time, double dt, const Energy
   for (const EnergyBalance::Work& work : e.works) values.push_back(work.value);
   values.insert(values.end(), {e.prescribed, e.models, e.events, e.dissipated, e.balance});
   for (FieldEquation& field : built_.body().fields()) {
-    const FieldBalance b = field.balance(time);
-    values.insert(values.end(), {b.content, b.inflow, b.produced, b.changed});
-    if (field.has_energy()) values.insert(values.end(), {b.energy, b.dissipated});
+    for (std::size_t c = 0; c < field.components(); ++c) {
+      const FieldBalance b = field.balance(c);
+      values.insert(values.end(), {b.content, b.inflow, b.produced, b.changed});
+    }
+    if (!field.has_energy()) continue;
+    const FieldEnergy e = field.energy(time);
+    values.insert(values.end(), {e.stored, e.dissipated});
+    if (field.has_dissipation()) values.push_back(e.supplied);
   }
   require_finite(values, "energies.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::energies, nullptr, std::move(values)});

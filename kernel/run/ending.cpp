@@ -128,12 +128,13 @@ void Ending::fail_at_step_limit(std::uint64_t limit) const {
   std::ostringstream text;
   if (rest_)
     text << "not at rest after " << limit << " steps: the residual is " << rest_->residual()
-         << ", requested " << rest_->tolerance()
-         << "; raise /solver/max_steps, /solver/tolerance or /solver/damping";
+         << ", requested " << rest_->tolerance() << "; raise /solver/max_steps"
+         << (scene_.solver.automatic_damping ? " or /solver/tolerance"
+                                             : ", /solver/tolerance or /solver/damping");
   else
     text << time_text(control_.clock().time()) << " after " << limit
-         << " steps, and /solver/end is " << *scene_.solver.end
-         << " s; raise /solver/max_steps or dt";
+         << " steps, and /solver/end is " << *scene_.solver.end << " s; raise /solver/max_steps"
+         << (scene_.solver.dt ? " or dt" : "");
   throw NumericalError(text.str());
 }
 

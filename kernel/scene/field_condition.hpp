@@ -19,6 +19,7 @@ struct FieldCondition {
     source  ///< into nodes, per second in total
   };
   std::string field;
+  std::size_t component = 0;
   Kind kind = Kind::start;
   double value = 0;  ///< in the unit of the field or, of a flux and a source, of its rate
   ValuePath path;    ///< of move

@@ -196,19 +196,16 @@ void refuse_solvers_without_contact(ObjectReader& contact, const ContactOptions&
   if (solver.integrator == "newmark")
     refuse("the integrator 'newmark': forces of contact would feed its oscillations",
            "use \"implicit-euler\", or remove /contact");
-  if (solver.integrator == "xpbd")
-    refuse("the integrator 'xpbd', which moves nodes by the energies of models only",
-           "use \"symplectic-euler\" or \"implicit-euler\", or remove /contact");
   if (solver.budget)
     refuse("\"budget\" in /solver: contact is not found in one linearised step",
            "remove one of them");
-  if (is_implicit(solver.integrator) &&
-      std::ranges::any_of(options.obstacles,
-                          [](const Obstacle& o) { return o.coupling.has_value(); }))
+  const bool solves = solves_equations(solver.integrator);
+  if (solves && std::ranges::any_of(options.obstacles,
+                                    [](const Obstacle& o) { return o.coupling.has_value(); }))
     refuse("\"coupling\" of an obstacle and the integrator '" + solver.integrator +
                "': a tool that gives way moves with explicit steps",
            "use \"symplectic-euler\" or \"velocity-verlet\", or remove \"coupling\"");
-  if (solver.sleep_acceleration > 0 && (options.penalty || is_implicit(solver.integrator)))
+  if (solver.sleep_acceleration > 0 && (options.penalty || solves))
     refuse("\"sleep\" in /solver and " +
                (options.penalty ? "\"law\": \"penalty\""
                                 : "the integrator '" + solver.integrator + "'") +

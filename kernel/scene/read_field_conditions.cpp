@@ -21,14 +21,24 @@ bool is_changed(const Scene& scene, const std::string& field) {
   });
 }
 
-/// The names and units of the fields that models declare, each once.
-std::vector<std::pair<std::string, std::string>> declared_fields(const Scene& scene) {
-  std::vector<std::pair<std::string, std::string>> fields;
+struct DeclaredField {
+  std::string name;
+  std::uint32_t components = 1;
+  Limits limits;  ///< of all models that declare it
+};
+
+/// The fields that models declare, each once.
+std::vector<DeclaredField> declared_fields(const Scene& scene) {
+  std::vector<DeclaredField> fields;
   for (const ModelUse& use : scene.models)
     for (const auto& a : std::span(use.model->attributes, use.model->attribute_count)) {
       if ((a.flags & SUTURE_FIELD) == 0) continue;
-      const std::pair<std::string, std::string> field{a.name, a.unit};
-      if (std::ranges::find(fields, field) == fields.end()) fields.push_back(field);
+      auto field = std::ranges::find(fields, a.name, &DeclaredField::name);
+      if (field == fields.end())
+        field = fields.insert(field, {a.name, a.components, Limits::any(a.unit)});
+      if (a.minimum == 0 && a.maximum == 0) continue;
+      field->limits.minimum = std::max(field->limits.minimum, a.minimum);
+      field->limits.maximum = std::min(field->limits.maximum, a.maximum);
     }
   return fields;
 }
@@ -57,27 +67,39 @@ ValuePath read_path(const JsonValue& value, const std::string& path, const Limit
   return result;
 }
 
-/// Its name and unit; nothing is known of a field that no model declares.
-std::string read_field(ObjectReader& object, const Scene& scene, FieldCondition& condition) {
+/// Which of several components.
+void read_component(ObjectReader& object, const DeclaredField& field, FieldCondition& condition) {
+  if (field.components == 1) return;
+  const std::string last = std::to_string(field.components - 1);
+  if (object.require("component", "which one of " + quote(field.name) + ", 0 to " + last))
+    condition.component = object.natural("component", 0, field.components - 1).value_or(0);
+}
+
+/// What values it may have; nothing is known of a field that no model declares.
+Limits read_field(ObjectReader& object, const Scene& scene, FieldCondition& condition) {
   object.require("field", "the name of a field, such as \"temperature\"");
   const auto declared = declared_fields(scene);
   std::vector<std::string> names;
-  for (const auto& [name, unit] : declared) names.push_back(name);
+  for (const DeclaredField& field : declared) names.push_back(field.name);
   if (names.empty()) {
     object.find("field");
     object.complain("no model of this scene declares a field; add one that does, such as heat");
-    return "";
+    return {};
   }
   const auto choice = object.choice("field", names);
-  if (!choice) return "";
+  if (!choice) {
+    object.find("component");
+    return {};
+  }
   condition.field = names[*choice];
-  return declared[*choice].second;
+  read_component(object, declared[*choice], condition);
+  return declared[*choice].limits;
 }
 
 void read_condition(ObjectReader& object, Reading& reading) {
   FieldCondition condition;
   condition.place = object.path();
-  const std::string unit = read_field(object, reading.scene, condition);
+  const Limits limits = read_field(object, reading.scene, condition);
   static const std::array<std::string, 5> kinds{"start", "fix", "move", "flux", "source"};
   const auto kind = object.one_of(kinds);
   if (!kind) {
@@ -88,10 +110,9 @@ void read_condition(ObjectReader& object, Reading& reading) {
   const std::string& key = kinds[*kind];
   const bool flows = condition.kind == Kind::flux || condition.kind == Kind::source;
   if (condition.kind == Kind::move)
-    condition.path =
-        read_path(*object.find(key), object.path_of(key), Limits::any(unit), object.mistakes());
+    condition.path = read_path(*object.find(key), object.path_of(key), limits, object.mistakes());
   else
-    condition.value = object.number(key, Limits::any(flows ? "" : unit)).value_or(0);
+    condition.value = object.number(key, flows ? Limits() : limits).value_or(0);
   if (condition.kind == Kind::fix) condition.path.stations = {{0, condition.value}};
   if (flows && !condition.field.empty() && !is_changed(reading.scene, condition.field))
     object.complain(key, "no model of this scene changes " + quote(condition.field) +
@@ -112,7 +133,7 @@ void read_condition(ObjectReader& object, Reading& reading) {
 /// What fields do not go together with.
 void check_solver(ObjectReader& top, const Reading& reading) {
   const Scene& scene = reading.scene;
-  for (const auto& [name, unit] : declared_fields(scene)) {
+  for (const auto& [name, components, limits] : declared_fields(scene)) {
     if (!is_changed(scene, name)) continue;
     if (scene.solver.until_rest)
       top.complain("solver", "\"until\": \"rest\" looks at the motion alone, and " + quote(name) +

@@ -30,7 +30,7 @@ std::vector<std::string> scalar_fields(const suture_model& model) {
       if (field.components == 1) names.emplace_back(field.name);
   }
   for (const suture_attribute& a : std::span(model.attributes, model.attribute_count))
-    if ((a.flags & SUTURE_FIELD) != 0) names.emplace_back(a.name);
+    if ((a.flags & SUTURE_FIELD) != 0 && a.components == 1) names.emplace_back(a.name);
   return names;
 }
 

@@ -47,7 +47,7 @@ void read_static(ObjectReader& object, const Scene& scene, SolverOptions& solver
   solver.dt = *solver.end / frames;
 }
 
-/// The names of the integrators of a kind that estimate the error of a step.
+/// The names of the integrators of a kind that estimate the error of a step. None takes a budget.
 std::string names_with_estimate(bool implicit) {
   std::string names;
   for (const std::string& name : integrator_names())
@@ -61,21 +61,24 @@ std::string names_with_estimate(bool implicit) {
 void read_step_error(ObjectReader& object, bool automatic, SolverOptions& solver) {
   constexpr double smallest = 1e-9;  // rounding of the positions
   const bool given = object.find("step_error") != nullptr,
-             implicit = is_implicit(solver.integrator);
+             implicit = is_implicit(solver.integrator),
+             has_choice = object.find("budget") == nullptr;
   if (given && !automatic)
     object.complain("step_error", "is only used with \"dt\": \"auto\"; remove it or the fixed dt");
   else if (error_constant(solver.integrator) > 0 && automatic && (given || implicit))
     solver.step_error =
         object.number("step_error", {"", smallest, 1, false, true}).value_or(default_step_error);
   else if (given)
-    object.complain("step_error", "needs an estimate of the error of a step, and \"" +
-                                      solver.integrator + "\" has none; choose " +
-                                      names_with_estimate(implicit) + ", or remove it");
+    object.complain(
+        "step_error",
+        "needs an estimate of the error of a step, and \"" + solver.integrator + "\" has none; " +
+            (has_choice ? "choose " + names_with_estimate(implicit) + ", or " : "") + "remove it");
   else if (automatic && implicit && solver.integrator != xpbd)
     object.complain("dt", "'dt' must be a number (s) for \"" + solver.integrator +
-                              "\": any step is stable, so choose it by the accuracy that you "
-                              "need, or choose " +
-                              names_with_estimate(implicit) + ", which can choose it itself");
+                              "\": any step is stable, so choose it by the accuracy that you need" +
+                              (has_choice ? ", or choose " + names_with_estimate(implicit) +
+                                                ", which can choose it itself"
+                                          : ""));
 }
 
 /// Steps of position based dynamics, which leave out a part of the stiffness.
@@ -88,12 +91,6 @@ void read_softness(ObjectReader& object, SolverOptions& solver) {
                     solver.integrator == xpbd
                         ? "is only used with \"dt\": \"auto\"; remove it or the fixed dt"
                         : "is only used by \"xpbd\"; remove it, or choose that");
-  if (solver.integrator != xpbd) return;
-  for (const char* key : {"until", "sleep"})
-    if (object.find(key) != nullptr)
-      object.complain(key,
-                      "cannot be combined with \"xpbd\", whose rest is not that of the forces; "
-                      "remove it, or choose another integrator");
 }
 
 /// "budget": a step of implicit Euler that is on time instead of solved.

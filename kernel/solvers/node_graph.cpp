@@ -29,7 +29,7 @@ struct Bounds {
 
 void add_elements(const CellComplex& complex, NodeGraph& graph) {
   graph.cell_begin.reserve(complex.existing(3) + 1);
-  graph.cell_nodes.reserve(std::size_t{complex.existing(3)} * 8);
+  graph.cell_nodes.reserve(std::size_t{complex.existing(3)} * hexahedron::vertices);
   for (Index e = 0; e < complex.element_count(); ++e) {
     if (!complex.exists(3, e)) continue;
     const Hexahedron& x = complex.vertices_of(e);
@@ -40,7 +40,7 @@ void add_elements(const CellComplex& complex, NodeGraph& graph) {
 
 Corners corners_of(const NodeGraph& graph, std::size_t element) {
   Corners x;
-  for (std::size_t i = 0; i < 8; ++i) x[i] = graph.places[graph.cell(element)[i]];
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = graph.places[graph.cell(element)[i]];
   return x;
 }
 
@@ -49,7 +49,7 @@ double mean_edge(const NodeGraph& graph) {
   double volume = 0;
   for (std::size_t e = 0; e < graph.cells(); ++e)
     for (const double jacobian : gauss_jacobians(corners_of(graph, e)))
-      volume += std::abs(jacobian) / 8;
+      volume += std::abs(jacobian) / hexahedron::vertices;
   return std::cbrt(volume / static_cast<double>(graph.cells()));
 }
 

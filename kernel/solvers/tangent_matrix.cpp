@@ -34,6 +34,19 @@ void TangentMatrix::set(const TangentTime& at, double mass, double velocity,
   for (const Index i : held_) free_[i] = 0;
 }
 
+void TangentMatrix::set(const TangentTime& at, double velocity, std::vector<std::uint8_t> free,
+                        std::vector<double> masses) {
+  at_ = at;
+  velocity_ = velocity;
+  loads_ = {{at.time, 1}};
+  stiffen({}, 0);
+  free_ = std::move(free);
+  masses_ = std::move(masses);
+  held_.clear();
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    if (!free_[i]) held_.push_back(static_cast<Index>(i));
+}
+
 void TangentMatrix::stiffen(std::span<const double> direction, double stiffness) {
   direction_ = direction;
   stiffness_ = stiffness;

@@ -35,6 +35,11 @@ class TangentMatrix {
   void set(const TangentTime& at, double mass = 0, double velocity = 0,
            std::span<const LoadTime> loads = {});
 
+  /// The same for unknowns other than positions: which components are free, and the diagonal of the
+  /// mass term by vertex; empty: there is none.
+  void set(const TangentTime& at, double velocity, std::vector<std::uint8_t> free,
+           std::vector<double> masses);
+
   /// Components that are held besides those that are constrained, from the next set() on.
   void support(std::vector<std::size_t> components) { supports_ = std::move(components); }
 

@@ -244,6 +244,15 @@ void StepControl::check_state(const Notify& notify) {
   }
 }
 
+/// "newmark" refuses contact, budgets and fields that are solved in turns with the motion.
+bool StepControl::may_use_newmark() const {
+  const auto takes_turns = [](const FieldEquation& equation) {
+    return equation.field().rate || equation.field().relaxation;
+  };
+  return !built_.body().contact() && !scene_.solver.budget &&
+         std::ranges::none_of(built_.body().fields(), takes_turns);
+}
+
 std::string StepControl::balance_warning() const {
   const double open = guard_.open_balance();
   if (!built_.dynamics().has_balance() || !(std::abs(open) > notable_balance)) return "";
@@ -251,10 +260,7 @@ std::string StepControl::balance_warning() const {
   text << "the energy balance closes only to " << 100 * open << " % of the energy exchanged: ";
   if (scene_.solver.integrator == "implicit-euler")
     text << "implicit Euler damps motion that its steps do not follow; "
-         << (built_.body().contact() || scene_.solver.budget  // which "newmark" refuses
-                 ? ""
-                 : "set /solver/integrator to \"newmark\", or ")
-         << "reduce ";
+         << (may_use_newmark() ? "set /solver/integrator to \"newmark\", or " : "") << "reduce ";
   else
     text << "the step is stable, but too coarse for a sudden load or motion; reduce ";
   text << step_setting();
@@ -264,6 +270,7 @@ std::string StepControl::balance_warning() const {
 /// What a scene reduces to make shorter steps.
 const char* StepControl::step_setting() const {
   if (scene_.solver.step_error) return "/solver/step_error";
+  if (scene_.solver.softness) return "/solver/softness";
   const bool is_fixed = scene_.solver.dt || built_.dynamics().is_implicit();
   return is_fixed ? "/solver/dt" : "/solver/safety";
 }

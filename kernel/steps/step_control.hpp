@@ -99,6 +99,7 @@ class StepControl {
   [[noreturn]] void give_up(const NumericalError& error);
   std::string advice(const NumericalError& error) const;
   const char* step_setting() const;
+  bool may_use_newmark() const;
 
   const Scene& scene_;
   BuiltScene& built_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "kernel/base/error.hpp"
@@ -120,6 +121,8 @@ std::string CellComplex::why_no_cloning(const Cloning& cloning) const {
       return "element " + std::to_string(element) + " cannot be absorbed by element " +
              std::to_string(copy) + "; only an existing one that is not copied by a copy can";
   if (!std::ranges::is_sorted(origins)) return "the elements to copy are not in ascending order";
+  if (!std::ranges::is_sorted(cloning.absorbed, std::less_equal<>(), &Split::old_cell))
+    return "the elements to absorb are not in ascending order";
   const Origins cloned(cloning, element_count());
   std::vector<std::uint8_t> listed(cloned.count_with_copies());  // by element, a bit per face
   const auto list = [&](Dart d) {

@@ -13,7 +13,7 @@
 namespace suture {
 namespace {
 
-constexpr std::array<const char*, 4> kinds = {"cut", "tear", "pierce", "sew"};
+constexpr std::array<const char*, 5> kinds = {"cut", "tear", "pierce", "sew", "clone"};
 
 /// Numbers that follow the count of an operation, for each counted thing.
 std::size_t width(Operation::Kind kind) { return kind == Operation::Kind::sew ? 2 : 1; }
@@ -37,6 +37,7 @@ class Reader {
       for (Index& v : h) v = number("point", journal_.mesh.points.size());
     in_.expect("operations");
     journal_.operations.resize(count(2, "operations"));
+    elements_ = journal_.mesh.hexahedra.size();
     for (Operation& operation : journal_.operations) read(operation);
     if (in_.skip_space()) in_.fail("more data than declared: " + in_quotes(in_.peek_word()));
     return std::move(journal_);
@@ -62,16 +63,38 @@ class Reader {
     if (found == kinds.end())
       in_.fail("operation " + in_quotes(kind) +
                did_you_mean(kind, std::vector<std::string>(kinds.begin(), kinds.end())) +
-               "; expected cut, tear, pierce or sew");
+               "; expected cut, tear, pierce, sew or clone");
     operation.kind = static_cast<Operation::Kind>(found - kinds.begin());
-    const bool elements = operation.kind == Operation::Kind::pierce;
-    const std::size_t end = journal_.mesh.hexahedra.size() * (elements ? 1 : hexahedron::darts);
-    operation.numbers.resize(count(width(operation.kind), kind.c_str()) * width(operation.kind));
-    for (Index& n : operation.numbers) n = number(elements ? "element" : "dart", end);
+    const std::size_t darts = elements_ * hexahedron::darts;
+    switch (operation.kind) {
+      case Operation::Kind::clone:
+        return read_clone(operation);
+      case Operation::Kind::pierce:
+        return read_list(operation.numbers, 1, "element", elements_);
+      default:
+        return read_list(operation.numbers, width(operation.kind), "dart", darts);
+    }
+  }
+
+  void read_clone(Operation& operation) {
+    read_list(operation.numbers, 1, "element", elements_);
+    elements_ += operation.numbers.size();
+    in_.expect("sew");
+    read_list(operation.seams, 2, "dart", elements_ * hexahedron::darts);
+    in_.expect("cut");
+    read_list(operation.cut, 1, "dart", elements_ * hexahedron::darts);
+    in_.expect("absorb");
+    read_list(operation.absorbed, 2, "element", elements_);
+  }
+
+  void read_list(std::vector<Index>& list, std::size_t width, const char* what, std::size_t end) {
+    list.resize(count(width, what) * width);
+    for (Index& n : list) n = number(what, end);
   }
 
   TextCursor in_;
   Journal journal_;
+  std::size_t elements_ = 0;  ///< with the copies that the lines before have made
 };
 
 std::string text_of(double value) {
@@ -96,10 +119,16 @@ std::string text_of(const Journal& journal) {
   out += "hexahedra " + std::to_string(journal.mesh.hexahedra.size()) + "\n";
   for (const Hexahedron& h : journal.mesh.hexahedra) append_line(out, h, integer);
   out += "operations " + std::to_string(journal.operations.size()) + "\n";
+  const auto list = [&](const char* name, const std::vector<Index>& numbers, std::size_t width) {
+    out += std::string(name) + " " + std::to_string(numbers.size() / width) + "  ";
+    append_line(out, numbers, integer);
+  };
   for (const Operation& operation : journal.operations) {
-    out += std::string(name_of(operation.kind)) + " " +
-           std::to_string(operation.numbers.size() / width(operation.kind)) + "  ";
-    append_line(out, operation.numbers, integer);
+    list(name_of(operation.kind), operation.numbers, width(operation.kind));
+    if (operation.kind != Operation::Kind::clone) continue;
+    list("  sew", operation.seams, 2);
+    list("  cut", operation.cut, 1);
+    list("  absorb", operation.absorbed, 2);
   }
   return out;
 }
@@ -162,9 +191,27 @@ void request_sew(const CellComplex& complex, const Operation& operation, Request
   }
 }
 
+void request_clone(const Operation& operation, Request& result) {
+  Cloning& cloning = result.cloning;
+  cloning = {operation.numbers, {}, operation.cut};
+  for (std::size_t i = 0; i + 1 < operation.seams.size(); i += 2)
+    cloning.seams.push_back({operation.seams[i], operation.seams[i + 1]});
+  for (std::size_t i = 0; i + 1 < operation.absorbed.size(); i += 2)
+    cloning.absorbed.push_back({operation.absorbed[i], operation.absorbed[i + 1]});
+}
+
 }  // namespace
 
 const char* name_of(Operation::Kind kind) { return kinds[static_cast<std::size_t>(kind)]; }
+
+Operation operation_of(const Cloning& cloning) {
+  Operation operation{Operation::Kind::clone, cloning.origins, {}, cloning.cut};
+  for (const auto& [one, other] : cloning.seams)
+    operation.seams.insert(operation.seams.end(), {one, other});
+  for (const auto& [element, copy] : cloning.absorbed)
+    operation.absorbed.insert(operation.absorbed.end(), {element, copy});
+  return operation;
+}
 
 Journal read_journal(const std::filesystem::path& path) {
   const FileText file(path);
@@ -192,6 +239,9 @@ Request request(const CellComplex& complex, const Operation& operation) {
     case Operation::Kind::sew:
       request_sew(complex, operation, result);
       break;
+    case Operation::Kind::clone:
+      request_clone(operation, result);
+      break;
   }
   return result;
 }
@@ -202,6 +252,8 @@ TopologyChange apply(CellComplex& complex, const Request& request) {
       return complex.pierce(request.elements);
     case Operation::Kind::sew:
       return complex.sew(request.seams);
+    case Operation::Kind::clone:
+      return complex.clone_volume(request.cloning);
     default:
       return complex.cut(request.faces);
   }

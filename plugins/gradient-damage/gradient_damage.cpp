@@ -32,7 +32,7 @@ struct GradientDamage : suture::continuum<GradientDamage> {
   static double capacity(const suture::values& p) { return p[viscosity]; }
 
   static constexpr suture::attribute vertex_fields[] = {
-      suture::vertex_field("damage", "1", "0: intact, 1: broken").rising(),
+      suture::vertex_field("damage", "1", "0: intact, 1: broken").rising().within(0, 1),
       suture::lumped_capacity<GradientDamage>("damage_capacity", "J s",
                                               "An eighth of eta V of every incident element")};
 

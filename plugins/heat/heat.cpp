@@ -9,7 +9,7 @@ namespace {
 constexpr double room = 293.15;  // K
 
 constexpr suture::attribute temperature_field() {
-  return suture::vertex_field("temperature", "K", "Temperature").starts_at(room);
+  return suture::vertex_field("temperature", "K", "Temperature").starts_at(room).at_least(0);
 }
 
 /// The places of its parameters.

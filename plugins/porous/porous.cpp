@@ -45,14 +45,23 @@ struct Porous : suture::continuum<Porous> {
     return 0.5 * p[mu] * (excess_I1(F) - 2.0 * ln_j) + 0.5 * p[lambda] * (ln_j * ln_j) -
            p[alpha] * at.field[0] * change;
   }
+  /// By the flow, and by the second term of the source.
+  template <class P, class At>
+  static auto dissipation(const P& p, const At& at) {
+    return p[mobility] * dot(at.gradient, at.gradient) +
+           smoothing(p) * at.field * (at.rate - at.mean_rate);
+  }
+  template <class P>
+  static double smoothing(const P& p) {
+    return 3 * p[alpha] * p[alpha] / (p[lambda] + 2 * p[mu]);
+  }
   /// The second term of the source keeps the pressures of neighbours from alternating where the
   /// fluid cannot flow: the projection of White and Borja, with the factor of Aguilar et al., which
   /// makes them monotone in a column.
   template <class F, class P, class At>
   static auto release(const F& f, const P& p, const At& at) {
     const auto swelling = dot(cofactor(f), at.dF);  // dJ/dt
-    const double smooth = 3 * p[alpha] * p[alpha] / (p[lambda] + 2 * p[mu]);
-    return suture::released{-p[alpha] * swelling - smooth * (at.rate - at.mean_rate),
+    return suture::released{-p[alpha] * swelling - smoothing(p) * (at.rate - at.mean_rate),
                             at.gradient * -p[mobility]};
   }
 };

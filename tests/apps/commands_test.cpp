@@ -418,7 +418,10 @@ TEST_F(Commands, ReplayRepeatsAJournal) {
       "suture-journal 1\npoints 12\n0 0 0 1 0 0 2 0 0 0 1 0 1 1 0 2 1 0\n"
       "0 0 1 1 0 1 2 0 1 0 1 1 1 1 1 2 1 1\n"
       "hexahedra 2\n0 1 3 4 6 7 9 10\n1 2 4 5 7 8 10 11\n";
-  write("a.journal", mesh + "operations 3\ncut 1  8\nsew 1  8 24\npierce 2  0 1\n");
+  write("a.journal",
+        mesh +
+            "operations 5\ncut 1  8\nsew 1  8 24\npierce 2  0 1\n"
+            "clone 2  0 0  sew 0  cut 0  absorb 0\nclone 1  0  sew 0  cut 0  absorb 0\n");
   const Outcome good = suture({"replay", "a.journal"});
   EXPECT_EQ(good.code, 0) << good;
   EXPECT_TRUE(good.says("operation 1: cut of 1 face; splits 4 vertices, 4 edges, 1 face; 2 isl"))
@@ -426,7 +429,10 @@ TEST_F(Commands, ReplayRepeatsAJournal) {
   EXPECT_TRUE(good.says("operation 2: sew of 1 face; merges 4 vertices, 4 edges, 1 face; 1 isl"))
       << good;
   EXPECT_TRUE(good.says("operation 3: pierce of 1 element (1 impossible)")) << good;
-  EXPECT_TRUE(good.says("a.journal: valid (3 operations on 2 elements")) << good;
+  EXPECT_TRUE(good.says("operation 4: clone of 1 element (2 copies)")) << good;
+  EXPECT_TRUE(good.says("operation 5: clone of 1 element (1 copies): refused: element 0 does not"))
+      << good;
+  EXPECT_TRUE(good.says("a.journal: valid (5 operations on 4 elements")) << good;
   EXPECT_TRUE(suture({"-q", "replay", "a.journal"}).err.empty());
 
   write("b.journal", mesh + "operations 1\ncut 1  800\n");

@@ -50,12 +50,12 @@ struct Block : Model, Rig {
   }
 };
 
-/// A cantilever along z, 2x2x8 cells of an eighth of a metre, under a quarter of its weight; the
-/// ledger has begun. Its held end may move.
+/// A cantilever along z, 0.25 x 0.25 x 1 m, under a quarter of its weight; the ledger has begun.
+/// Its held end may move. `across`: cells over its height.
 struct Cantilever : Block {
   Cantilever(const std::string& id, const std::map<std::string, double>& wanted, Options options,
-             const suture::PrescribedMotion& motion = {})
-      : Block(id, wanted, {2, 2, 8}, 0.125, heavy(std::move(options))) {
+             const suture::PrescribedMotion& motion = {}, suture::Index across = 2)
+      : Block(id, wanted, {across, across, 4 * across}, 0.25 / across, heavy(std::move(options))) {
     hold(vertices([](const suture::Vec3& x) { return x[2] < 1e-9; }), 7, motion);
     start();
   }

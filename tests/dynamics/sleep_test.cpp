@@ -56,8 +56,10 @@ struct TwoIslands : TwoIslandsBody, Rig {
 Options falling(const char* scheme) { return {scheme, 0, {0, -10, 0}, {}}; }
 
 TEST(Sleep, OthersMoveTheSameBitsAndSleepersStay) {
-  for (const char* scheme : schemes) {
-    TwoIslands awake(defaults(), falling(scheme)), half(defaults(), falling(scheme));
+  for (const char* scheme : {euler, verlet, "xpbd"}) {
+    auto parameters = defaults();
+    if (scheme == std::string("xpbd")) parameters[spring_model::diagonal_stiffness] = 0;
+    TwoIslands awake(parameters, falling(scheme)), half(parameters, falling(scheme));
     for (TwoIslands* body : {&awake, &half}) {
       body->shake(0.01, 3);
       body->dynamics.start();

@@ -4,6 +4,10 @@
 // threads.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
+#include "kernel/dynamics/rest_search.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "tests/base/sanitizer.hpp"
 #include "tests/dynamics/model_block.hpp"
 
@@ -58,15 +62,18 @@ TEST(Xpbd, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-// Steps far beyond the stable one.
+// Steps far beyond the stable one. SUTURE_FULL=1: 10,000 frames of 20 steps, 5x5x20 elements.
 TEST(Xpbd, StaysBoundedAtAnyStiffness) {
+  const bool full = std::getenv("SUTURE_FULL") != nullptr;
+  const double h = full ? 1.0 / 1200 : 1.0 / 600;
   for (const double E : {4e3, 4e5, 4e7, 4e9})
     for (const char* model : {"tm-faure", "mss-baudet"}) {
       rig::Cantilever body(model, {{"E", E}, {"nu", 0.3}, {"rho", 1000}, {"viscosity", 0}},
-                           {.integrator = xpbd});
-      body.run(1.0 / 600, 600);
-      EXPECT_LT(body.tip(), 0) << model << E;
-      EXPECT_GT(body.tip(), -2) << model << E;
+                           {.integrator = xpbd}, {}, full ? 5 : 2);
+      for (int part = 0; part < (full ? 2000 : 6); ++part) {
+        body.run(h, 100);
+        ASSERT_LT(std::abs(body.tip()), 2) << model << E;
+      }
     }
 }
 
@@ -122,7 +129,96 @@ TEST(Xpbd, GoesOnAfterARemoval) {
   EXPECT_LT(body.x(body.vertices([](const Vec3& x) { return x[2] > 0.87; })[0], 1), before);
 }
 
-// Where a position alone does not determine forces and energies, there is nothing to project.
+// The closed form of four springs and dashpots in parallel.
+TEST(Xpbd, DampsByADashpot) {
+  for (const double viscosity : {0.25, 1.0}) {
+    rig::Oscillator o({.integrator = xpbd}, {100, viscosity, 0});
+    const double rate = 4 * viscosity / (2 * o.m), w = std::sqrt(o.k / o.m - rate * rate);
+    o.displace(0.01);
+    o.start();
+    o.run(1e-5, 20000);
+    const double t = o.dynamics.time();
+    const double exact =
+        0.01 * std::exp(-rate * t) * (std::cos(w * t) + rate / w * std::sin(w * t));
+    EXPECT_NEAR(o.u(), exact, 2e-5) << viscosity;
+    EXPECT_NEAR(o.dynamics.balance().balance, 0, 1e-9) << viscosity;
+  }
+}
+
+// A dashpot beyond any explicit step: the plate creeps, 4 c u' = -k u.
+TEST(Xpbd, IsBoundedWithAnyViscosity) {
+  for (const double h : {0.1, 0.01}) {
+    rig::Oscillator o({.integrator = xpbd}, {100, 1000, 0});
+    o.displace(0.01);
+    o.start();
+    double before = energies(o.dynamics).total();
+    for (int i = 0; i < static_cast<int>(10 / h); ++i) {
+      o.step(h);
+      const double now = energies(o.dynamics).total();
+      ASSERT_LT(now, before);
+      before = now;
+    }
+    EXPECT_NEAR(o.u(), 0.01 * std::exp(-10 * o.k / 4000), 0.5 * h * h) << h;
+  }
+}
+
+constexpr double weight = 9.81;  // m/s^2
+
+/// A block of springs above a floor.
+struct OnFloor : rig::Moving {
+  OnFloor(Index n, double height, bool distorted, unsigned threads)
+      : Moving(spring_model::box(n, n, n), {xpbd, 5, {0, 0, -weight}, {}}, {1000, 0, 0}, distorted,
+               threads) {
+    body.add_contact({{"floor", "", suture::HalfSpace{{0, 0, -height}, {0, 0, 1}}, {}, 0.5}}, 0);
+    start();
+  }
+};
+
+// Nothing ends inside, at rest the floor carries the weight, and the balance closes.
+TEST(Xpbd, RestsOnAFloor) {
+  OnFloor block(4, 0.03, false, 1);
+  for (int i = 0; i < 4000; ++i) {
+    block.step(1e-3);
+    for (const Index v : block.at(2, 0)) ASSERT_GE(block.x(v, 2), -0.03 - 1e-12);
+  }
+  const suture::ContactLaw& contact = *block.body.contact();
+  EXPECT_NEAR(contact.loads()[0].force[2] / (block.mass() * weight), -1, 1e-4);
+  const suture::EnergyBalance end = block.dynamics.balance();
+  EXPECT_LT(end.work("contact"), -0.05 * end.work("gravity")) << "the impact";
+  EXPECT_NEAR(end.balance, 0, 2e-4 * end.exchanged);  // springs that turn: not linear
+  EXPECT_LT(end.kinetic, 1e-7 * end.exchanged);
+}
+
+TEST(Xpbd, TouchesWithTheSameBitsForAnyNumberOfThreads) {
+  std::vector<double> one;
+  for (const unsigned threads : suture::test::thread_counts()) {
+    OnFloor block(20, 0, true, threads);
+    block.run(1e-3, 5);
+    ASSERT_FALSE(block.body.contact()->touches().empty());
+    if (one.empty()) one = block.state();
+    rig::expect_same_bits(block.state(), one);
+  }
+}
+
+// Its rest is where a step changes nothing, though the forces there are not in balance.
+TEST(Xpbd, FindsItsRest) {
+  const auto tip_after = [](bool search) {
+    rig::Cantilever body("tm-faure", {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}},
+                         {.integrator = xpbd, .damping = 5});
+    suture::RestSearch rest(1e-6, true);
+    int steps = 0;
+    do body.step(1.0 / 400);
+    while (++steps < 10000 && !(search && rest.at_rest(body.dynamics)));
+    if (search) {
+      EXPECT_LT(steps, 5000);
+    }
+    return body.tip();
+  };
+  const double after_long = tip_after(false);
+  EXPECT_NEAR(tip_after(true), after_long, 1e-5 * std::abs(after_long));
+}
+
+// Where there is no energy, there is nothing to project.
 TEST(Xpbd, RefusesWhatItCannotProject) {
   const auto message = [](const rig::Springs& springs) -> std::string {
     try {
@@ -132,8 +228,7 @@ TEST(Xpbd, RefusesWhatItCannotProject) {
     }
     return "";
   };
-  EXPECT_EQ(message({100, 0, 0}), "");
-  EXPECT_NE(message({100, 1, 0}).find("reads velocities"), std::string::npos);
+  EXPECT_EQ(message({100, 1, 0}), "");
   EXPECT_NE(message({100, 0, 40}).find("no energy"), std::string::npos);
 }
 

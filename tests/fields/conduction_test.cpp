@@ -82,6 +82,37 @@ TEST_P(Bars, TheBalanceOfAHeatedBarCloses) {
   EXPECT_NEAR(after.content - before, after.inflow, 1e-11 * before);
 }
 
+/// A bar of 4 m with n elements per metre, warmed from above, with cuts half through it; steady.
+Scene warmed_bar(int n, bool is_cut) {
+  std::string cuts;
+  for (const char* x : {"1.1", "1.9", "3.1"})
+    cuts += std::string(cuts.empty() ? "" : ", ") + R"({"at": 0, "cut": {"plane": {"point": [)" +
+            x + R"(, 0.5, 0.2], "normal": [1, 0.02, 0.01], "radius": 0.45}}})";
+  const std::string cells = std::to_string(n);
+  return field_scene(R"("mesh": {"box": {"size": [4, 1, 1], "cells": [)" + std::to_string(4 * n) +
+                     ", " + cells + ", " + cells +
+                     R"(]}}, "models": [{"model": "heat", "parameters": {"k": 2, "c": 4,
+      "rho": 1}}], "constraints": [{"fix": "xyz", "where": "all"}], "solver": {"static": {"frames":
+      1}, "end": 1}, "fields": [{"field": "temperature", "fix": 300, "where": {"set": "x0"}},
+      {"field": "temperature", "flux": 30, "where": {"set": "z1"}}], "events": [)" +
+                     (is_cut ? cuts : "") + "]");
+}
+
+TEST(Conduction, SteadyStatesTakeNoMoreIterationsOnFinerMeshes) {
+  for (const bool is_cut : {false, true}) {
+    std::vector<std::uint64_t> iterations;
+    for (const int n : {5, 10}) {
+      FieldRun run(warmed_bar(n, is_cut));
+      run.run_to(1);
+      EXPECT_GT(run.at(4), 400);
+      iterations.push_back(run.equation().iterations().with_multigrid);
+    }
+    EXPECT_GT(iterations[0], 0u);
+    EXPECT_LE(iterations[1], iterations[0] + 4);
+    EXPECT_LT(iterations[1], is_cut ? 60u : 40u);
+  }
+}
+
 TEST(Conduction, IsOfSecondOrderInTheSizeOfElements) {
   // cos(pi x) decays with the rate pi^2 k / c.
   const auto error = [](int n) {

@@ -70,6 +70,34 @@ TEST(Consolidation, FollowsTerzaghi) {
   }
 }
 
+/// The same column of 20 x 3 x 3 elements, loaded, that a blade divides along its axis if it is
+/// cut.
+Scene wide_column(const std::string& element, bool is_cut) {
+  return field_scene(
+      R"("mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [20, 3, 3]}}, "models": [{"model":
+      "porous", "parameters": {"mu": 1e6, "lambda": 2e6, "rho": 1e-3, "k": 1e-7, "element": ")" +
+      element +
+      R"("}}], "constraints": [{"fix": "x", "where": {"set": "x0"}}, {"fix": "yz", "where": "all"}],
+      "solver": {"integrator": "implicit-euler", "dt": 5e-3, "end": 10}, )" +
+      loaded +
+      (is_cut
+           ? R"(, "events": [{"at": 0, "cut": {"plane": {"point": [0, 0.12, 0.11], "normal": [0, 1,
+      0.37]}, "along": "blade"}}])"
+           : ""));
+}
+
+TEST(Consolidation, IsThatOfAColumnInEveryElementAndInParts) {
+  for (const char* element : {"trilinear", "mean-gradient"})
+    for (const bool is_cut : {false, true}) {
+      FieldRun run(wide_column(element, is_cut));
+      run.run_to(0.25);
+      const double T = 0.4 * run.simulation.time();
+      EXPECT_LT(run.error([&](double x) { return 1000 * terzaghi(1 - x, T); }), 20)
+          << element << is_cut;
+      EXPECT_EQ(run.simulation.complex().existing(3) > 180, is_cut);
+    }
+}
+
 TEST(Consolidation, IsOfSecondOrderInTheSizeOfElements) {
   // A pressure cos(pi x / 2) in a solid at rest: the solid takes up its part at once, and each step
   // divides what is left by 1 + c (pi/2)^2 dt.
@@ -133,6 +161,27 @@ TEST(Consolidation, IsRefusedWithStepsThatDoNotGiveItsRate) {
               }),
               testing::HasSubstr("/solver/budget: field 'pressure' is solved in turns"));
   EXPECT_EQ(message([](auto&) {}), "");
+}
+
+TEST(Consolidation, TheEnergyOfSolidAndFluidCloses) {
+  // The load works at once, and while fluid leaves through the loaded end against a pressure.
+  const std::string held = R"("loads": [{"traction": [-1000, 0, 0], "where": {"set": "x1"}}],
+      "fields": [{"field": "pressure", "fix": 200, "where": {"set": "x1"}}])";
+  const auto missing = [&](double dt) {
+    FieldRun run(column(20, dt, 1e-7, 1e-7, held));
+    const double before = run.energy().stored;
+    run.run_to(0.4);
+    const FieldEnergy after = run.energy();
+    double work = 0;
+    for (const EnergyBalance::Work& of : run.simulation.built().dynamics().balance().works)
+      work += of.value;
+    EXPECT_GT(after.dissipated, 0.1 * work);
+    EXPECT_LT(after.supplied, -0.01 * work);  // it leaves
+    return (after.stored - before + after.dissipated - after.supplied - work) / work;
+  };
+  const double coarse = missing(1e-3), fine = missing(5e-4);
+  EXPECT_LT(std::abs(fine), 0.02);
+  EXPECT_NEAR(coarse / fine, 2, 0.5);
 }
 
 TEST(Consolidation, TheBalanceOfTheFluidCloses) {

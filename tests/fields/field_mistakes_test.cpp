@@ -45,6 +45,23 @@ TEST(FieldMistakes, NameThePlaceAndTheNearestName) {
               HasSubstr("/fields/0/ramp: belongs to"));
 }
 
+TEST(FieldMistakes, NameTheRangeOfTheField) {
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "start": -1})"),
+              HasSubstr("/fields/0/start: must be >= 0 K"));
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "move": [[0, 1], [1, -2]], "where": "all"})"),
+              HasSubstr("/fields/0/move/1/1: must be >= 0 K"));
+  EXPECT_EQ(of_bar(R"({"field": "temperature", "flux": -1, "where": {"set": "x0"}})"), "");
+  for (const char* condition : {R"("start": -0.1)", R"("fix": 2)"})
+    EXPECT_THAT(message([&] {
+                  field_scene(R"("mesh": {"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "solver":
+                      {"integrator": "implicit-euler", "dt": 1, "end": 1}, "models": [{"model":
+                      "gradient-damage", "parameters": {"mu": 1, "K": 1, "rho": 1, "Gc": 1, "l": 1}}],
+                      "fields": [{"field": "damage", )" +
+                              std::string(condition) + R"(, "where": "all"}])");
+                }),
+                HasSubstr("must be >= 0 and <= 1"));
+}
+
 TEST(FieldMistakes, SayWhatTheSceneLacks) {
   const std::string mesh = R"("mesh": {"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "solver":
       {"integrator": "symplectic-euler", "dt": 1e-3, "end": 1}, )";
@@ -70,16 +87,6 @@ TEST(FieldMistakes, SayWhatTheSceneLacks) {
       << "a name that two models declare is given once";
   EXPECT_THAT(of_bar("", R"("integrator": "symplectic-euler", "until": "rest")"),
               HasSubstr("/solver: \"until\": \"rest\" looks at the motion alone"));
-}
-
-TEST(FieldMistakes, LawsThatChangeTheirFieldOfferTrilinearElementsAlone) {
-  EXPECT_THAT(message([&] {
-                field_scene(R"("mesh": {"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "solver":
-                    {"integrator": "implicit-euler", "dt": 1, "end": 1}, "models": [{"model":
-                    "porous", "parameters": {"mu": 1, "lambda": 1, "rho": 1, "k": 1, "element":
-                    "mean-gradient"}}])");
-              }),
-              HasSubstr("/models/0/parameters/element: must be one of 'trilinear'"));
 }
 
 TEST(FieldMistakes, ASteadyStateNeedsAPrescribedValue) {

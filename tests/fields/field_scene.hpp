@@ -30,7 +30,8 @@ class FieldRun {
   /// max |u(x) - exact(x)| over the vertices.
   double error(const std::function<double(double)>& exact) const;
   FieldEquation& equation() { return simulation.built().body().fields().front(); }
-  FieldBalance balance() { return equation().balance(simulation.time()); }
+  FieldBalance balance() { return equation().balance(); }
+  FieldEnergy energy() { return equation().energy(simulation.time()); }
 
   Diagnostics diagnostics;
   mutable Simulation simulation;

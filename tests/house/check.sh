@@ -54,7 +54,7 @@ words() {
 # A reader that stops early ends the writer by SIGPIPE, and with it, sometimes, a script that has
 # set pipefail.
 pipes() {
-  offences '\| *(he''ad|grep -[A-Za-z]*q)' \
+  offences '\| *(he''ad\b|grep -[A-Za-z]*q)' \
     'under pipefail, read into an array (mapfile) or from a substitution' '\.sh$|^dev$|^\.ci/'
 }
 
@@ -118,6 +118,25 @@ class_names() {
   [ -z "$twice" ] || { grep -F "$twice" <<<"$names"; echo 'classes of one program have names of their own'; return 1; }
 }
 
+# The test of a header of these rooms has its name, or is named in the list, which has no other lines.
+headers() {
+  local bad=0 list=tests/house/tests_of_headers.txt header name elsewhere
+  while read -r header; do
+    name=$(basename "$header" .hpp)
+    elsewhere=$(awk -v header="$header" '$1 == header { print $2 }' "$list" 2>/dev/null)
+    if compgen -G "tests/*/${name}_test.cpp" >/dev/null; then
+      [ -z "$elsewhere" ] || { echo "$list: $header has a test of its name"; bad=1; }
+    elif [ ! -f "${elsewhere:-none}" ]; then
+      echo "$header:1: write tests/ROOM/${name}_test.cpp, or name in $list the test that finds its faults"
+      bad=1
+    fi
+  done < <(files '^kernel/(topology|attributes|forces|contact)/[a-z0-9_]*\.hpp$')
+  while read -r header elsewhere; do
+    [ -f "$header" ] || { echo "$list: $header does not exist"; bad=1; }
+  done < <(sed '/^#/d' "$list" 2>/dev/null)
+  return $bad
+}
+
 # A file that is longer holds two things.
 sizes() {
   files "$sources|CMakeLists.txt$" | xargs -r -d '\n' wc -l | awk '
@@ -163,7 +182,7 @@ top_level() {
 }
 
 case $check in
-  machine_paths | unfinished | subjects | words | pipes | include_direction | licences | class_names | sizes | weight | links | format | top_level)
+  machine_paths | unfinished | subjects | words | pipes | include_direction | licences | class_names | headers | sizes | weight | links | format | top_level)
     "$check" && echo "$check: good" ;;
   *) echo "check.sh: no check '$check'"; exit 2 ;;
 esac

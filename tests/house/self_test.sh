@@ -53,6 +53,7 @@ must_report include_direction kernel/run/a.cpp '#include <tbb/parallel_for.h>'
 must_report licences kernel/base/c.hpp '#pragma once'
 must_report licences plugins/c.cpp '// SPDX-License-Identifier: GPL-3.0-or-later'
 must_report class_names kernel/topology/c.hpp $'namespace suture {\nstruct A : B {\n};\n}'
+must_report headers kernel/topology/c.hpp ''
 must_report sizes kernel/mesh/a.hpp "$(seq 700)"
 must_report sizes CMakeLists.txt "$(seq 130)"
 must_report weight docs/big.dat "$(seq 200000)"

@@ -291,6 +291,67 @@ TEST(BladeContact, LipsCarryPressureInEquilibriaAndImplicitSteps) {
   }
 }
 
+/// A hand that presses a compliant ball into the slab, beside the cut and across it.
+Scene probed_slab(double mass) {
+  Scene scene = slab();
+  scene.solver.damping = 0;
+  scene.solver.dt = 1e-3;
+  Obstacle ball{"probe", "/contact/obstacles/1", Sphere{{3.5, 2, 4.6}, 1.5}};
+  ball.friction = 0.3;
+  ball.motion.centre = {3.5, 2, 4.6};
+  ball.motion.stations = {{0.1, {}, 0}, {0.8, {0.3, 0.1, -0.5}, 0.2}};
+  ball.coupling = Coupling{mass, 5e4, 20 * mass, mass, 5e4, 20 * mass};
+  scene.contact.obstacles.push_back(ball);
+  return scene;
+}
+
+TEST(BladeContact, ACompliantToolAndAHandFeelWhatTheBodyFeels) {
+  for (const double mass : {0.5, 10., 1000.}) {
+    SlabRun run(probed_slab(mass));
+    const ContactLaw& contact = *run.simulation.contact();
+    Vec3 velocity{}, spin{};
+    double largest = 0;
+    while (run.simulation.time() < 0.8) {
+      const Pose before = contact.tool_state(1)->pose;
+      const double dt = run.simulation.next_dt();
+      run.simulation.advance({{}, 1}, run.nobody);
+      const auto [pose, hand_force, hand_torque] = *contact.tool_state(1);
+      const auto& [force, torque] = contact.loads()[1];
+      const Vec3 moved = scaled(1 / dt, minus(pose.translation, before.translation)),
+                 turned = scaled(1 / dt, rotation_between(before.turn, pose.turn));
+      const double allowed = 1e-6 * (1 + norm(force) + norm(hand_force));
+      const auto misfit = [&](const Vec3& change, const Vec3& load, const Vec3& hand) {
+        return norm(minus(scaled(mass / dt, change), minus(load, hand)));
+      };
+      ASSERT_LT(misfit(minus(moved, velocity), force, hand_force), allowed);
+      ASSERT_LT(misfit(minus(turned, spin), torque, hand_torque), allowed);
+      velocity = moved;
+      spin = turned;
+      const Vec3 centre = plus(pose.centre, pose.translation);
+      ASSERT_GT(run.least([&](const Vec3& place) { return norm(minus(place, centre)) - 1.5; }),
+                -1e-6)
+          << run.simulation.time();
+      largest = std::max(largest, norm(force));
+    }
+    EXPECT_EQ(run.islands(), 2u);
+    EXPECT_GT(largest, 500);
+  }
+}
+
+// The points of a surface that is not cut yet are its vertices.
+TEST(BladeContact, ACompliantToolPushesAnUncutSurfaceAsOneOfWholeElements) {
+  Scene divisible = probed_slab(10), whole = divisible;
+  divisible.events[0].at = 0.8;
+  whole.events.clear();
+  SlabRun one(divisible), other(whole);
+  for (SlabRun* run : {&one, &other}) run->simulation.run_to(0.6, run->nobody);
+  const auto a = *one.simulation.contact()->tool_state(1),
+             b = *other.simulation.contact()->tool_state(1);
+  EXPECT_GT(norm(other.simulation.contact()->loads()[1].force), 10);
+  EXPECT_LT(norm(minus(a.hand_force, b.hand_force)), 1e-6 * norm(b.hand_force));
+  EXPECT_LT(norm(minus(a.pose.translation, b.pose.translation)), 1e-8);
+}
+
 // A disc leaves a slit that ends inside, where both lips depend on the same vertices; a plane
 // divides the bar beside it.
 TEST(BladeContact, LipsMeetAtTheEndOfASlit) {

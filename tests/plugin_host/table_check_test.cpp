@@ -287,8 +287,18 @@ const TableCase attribute_cases[] = {
     {"Initial", [](Tables& t) { t.attributes[2].initial = nan; },
      MODEL ", attribute 'pull': its initial value is not finite"},
     {"FieldWithState", [](Tables& t) { t.attributes[2].flags |= SUTURE_FIELD; },
-     MODEL ", attribute 'pull': has SUTURE_FIELD: expected dimension 0, 1 component, policy "
+     MODEL ", attribute 'pull': has SUTURE_FIELD: expected dimension 0, 1 to 3 components, policy "
            "SUTURE_COPY and neither a trial copy nor another use"},
+    {"RangeOfState", [](Tables& t) { t.attributes[2].maximum = 1; },
+     MODEL ", attribute 'pull': has a range without SUTURE_FIELD"},
+    {"EmptyRange",
+     [](Tables& t) {
+       t.attributes[2].flags = SUTURE_FIELD;
+       t.attributes[2].minimum = t.attributes[2].initial = 2;
+       t.attributes[2].maximum = 1;
+     },
+     MODEL ", attribute 'pull': its minimum is not below its maximum\n" MODEL
+           ", attribute 'pull': its initial value lies outside of its range"},
     {"CapacityWithoutField", [](Tables& t) { t.attributes[0].flags = SUTURE_CAPACITY; },
      MODEL ", attribute 'mass': has SUTURE_CAPACITY, but no field (SUTURE_FIELD) stands before it "
            "that has none yet"},

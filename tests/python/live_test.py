@@ -44,7 +44,9 @@ class Page:
         self.socket.close()
 
     def send(self, data):
-        kind, payload = (0x82, b"") if data is None else (0x81, json.dumps(data).encode())
+        self.write(*((0x82, b"") if data is None else (0x81, json.dumps(data).encode())))
+
+    def write(self, kind, payload):
         size = (bytes([0x80 | len(payload)]) if len(payload) < 126
                 else bytes([0x80 | 126]) + struct.pack(">H", len(payload)))
         self.socket.sendall(bytes([kind]) + size + bytes(4) + payload)  # a mask of zeros
@@ -54,6 +56,9 @@ class Page:
         if size >= 126:
             size = int.from_bytes(self.file.read(2 if size == 126 else 8), "big")
         payload = self.file.read(size)
+        if kind & 15 == 9:  # a ping, which wants its payload back
+            self.write(0x8a, payload)
+            return self.next()
         if kind & 15 == 1:
             return json.loads(payload)
         head = json.loads(payload[4:4 + struct.unpack("<I", payload[:4])[0]])
@@ -152,7 +157,7 @@ class LiveTest(unittest.TestCase):
         with self.assertRaises(suture.InputError), sim.live(port=0), sim.live():
             pass
 
-    def test_a_step_without_viewers_costs_no_picture(self):
+    def test_a_view_needs_no_page(self):
         sim = suture.Simulation(bar(end=100))
         with sim.live(recording=False) as view:
             sim.step(10)
@@ -163,6 +168,24 @@ class LiveTest(unittest.TestCase):
                 sim.restore(sim.copy())
             page = urllib.request.urlopen(view.address).read()
         self.assertIn(b"<canvas", page)
+
+    def test_a_page_sees_the_last_state_whenever_it_comes(self):
+        sim = suture.Simulation(bar(end=100))
+        with sim.live(recording=False) as view:
+            sim.step(10)
+            pages = [self.open_page(view)]
+            self.assertEqual(pages[0].until("step")["step"], sim.steps)
+
+            @sim.every(1)
+            def fail(sim):
+                if sim.steps > 15:
+                    raise ValueError
+
+            with self.assertRaises(ValueError):
+                sim.step(10)
+            pages[0].state_after(sim.steps)
+            pages.append(self.open_page(view))
+            self.assertEqual(pages[1].until("step")["step"], sim.steps)
 
     def test_the_module_is_loaded_by_a_view_only(self):
         program = ("import suture; from scenes import bar; sim = suture.Simulation(bar()); sim.step();"

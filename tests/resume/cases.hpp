@@ -17,6 +17,7 @@ struct Case {
   Json scene;
   std::map<std::string, std::string> files{};  ///< beside the scene
   bool skips = true;                           ///< not --no-skip
+  std::string reports{};                       ///< what some message of the run must contain
 };
 
 /// Scenes of a kind.

@@ -297,6 +297,33 @@ Case implicit(Random& random, unsigned index, std::uint64_t) {
   return result;
 }
 
+/// Implicit steps that fail and are tried again: Newton's method finds no solution, or a model
+/// wants a smaller step.
+Case retried(Random& random, unsigned index, std::uint64_t) {
+  Case result = bar("retried", random, {6, 2, 2});
+  Json& scene = result.scene;
+  scene["solver"] = {{"end", 1}, {"integrator", "newmark"}, {"on_inversion", "warn"}};
+  if (index % 2 == 0) {
+    scene["solver"]["dt"] = 0.1;
+    scene["gravity"] = {0, -300, 0};
+    scene["constraints"].erase(1);
+  } else {
+    const double dt = random.between(0.01, 0.03), from = random.between(0.1, 0.7);
+    scene["solver"]["dt"] = dt;
+    if (random.chance(0.5)) scene["solver"]["integrator"] = "implicit-euler";
+    add_plugin(scene, "moody",
+               {{"how", random.pick(std::vector<std::string>{"retry", "nan"})},
+                {"from", from},
+                {"to", from + 4 * dt},
+                {"longest", random.between(0.3, 0.9) * dt}});
+  }
+  scene["events"] = {{{"at", random.between(0.7, 0.9)}, {"cut", across(0.4, random)}}};
+  add_output(scene, random);
+  scene["output"]["every_steps"] = 2;
+  result.reports = "tried again";
+  return result;
+}
+
 /// Steps that follow their error, rejected ones among them, of a body with a memory.
 Case adaptive(Random& random, unsigned index, std::uint64_t seed) {
   Case result = memory(random, index, seed);
@@ -424,7 +451,8 @@ std::vector<Kind> own_kinds() {
           {"when", 1, 8, when},         {"moody", 2, 16, moody},  {"memory", 1, 10, memory},
           {"large", 1, 9, large},       {"dense", 1, 8, dense},   {"implicit", 3, 9, implicit},
           {"adaptive", 2, 8, adaptive}, {"varied", 2, 8, varied}, {"obstacles", 2, 8, obstacles},
-          {"phases", 1, 8, phases},     {"filled", 2, 8, filled}, {"along", 2, 12, along}};
+          {"retried", 2, 8, retried},   {"phases", 1, 8, phases}, {"filled", 2, 8, filled},
+          {"along", 2, 12, along}};
 }
 
 }  // namespace suture::test

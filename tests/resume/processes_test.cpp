@@ -2,7 +2,8 @@
 //
 // Several processes that make a run together leave the same bytes as one process, also when they
 // are stopped and others, of another number, go on.
-//   SUTURE_FULL=1              all kinds of scenes; otherwise as many as 30 seconds hold
+//   SUTURE_FULL=1              three scenes of each kind, 20 kills; otherwise as many scenes as 30
+//                              seconds hold, one kill
 //   SUTURE_PROCESSES_SEED=N    these scenes; otherwise others in each run
 //   SUTURE_PROCESSES_CASE=NAME this one alone, "twist-017-0"
 #include <gmock/gmock.h>
@@ -105,6 +106,8 @@ Case cut_beam() {
 }
 
 TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
+  const std::string given = variable("SUTURE_PROCESSES_SEED");
+  const std::uint64_t seed = given.empty() ? std::random_device()() : std::stoull(given);
   Case what = cut_beam();
   what.scene["solver"]["end"] = 0.5;
   what.scene["checkpoint"] = {{"every_steps", 50}, {"keep", 3}};
@@ -112,24 +115,30 @@ TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
   write_case(what, at);
   run_here(what, at, at / "alone", {});
   const std::string scene = (at / "scene.json").string();
-  const fs::path there = at / "shared", out = there / "out";
-  fs::create_directories(there);
-  Child first(there, {"run", scene}, launcher(3));
-  while (newest_checkpoint(out).empty() && !first.has_ended()) usleep(1000);
-  first.send(SIGKILL, 0.05);
-  first.wait();
-  for (const unsigned processes : {2u, 4u}) {
-    // The processes whose launcher was killed may still have to notice: until then they hold the
-    // folder and write further checkpoints.
-    int code = 6;
-    for (int i = 0; i < 30 && code != 0; ++i) {
-      if (i > 0) sleep(1);
-      const fs::path newest = newest_checkpoint(out);
-      ASSERT_NE(newest, "");
-      code = run(what, {"--resume", "out/" + newest.filename().string()}, processes, there);
+  const std::vector<unsigned> numbers{1, 2, 3, 4, 7};
+  for (unsigned i = 0; i < (variable("SUTURE_FULL").empty() ? 1 : 20); ++i) {
+    SCOPED_TRACE(std::to_string(i) + ", SUTURE_PROCESSES_SEED=" + std::to_string(seed));
+    Random random(seed, "kill", i);
+    const fs::path there = at / ("shared-" + std::to_string(i)), out = there / "out";
+    fs::create_directories(there);
+    Child first(there, {"run", scene}, launcher(random.pick(numbers)));
+    while (newest_checkpoint(out).empty() && !first.has_ended()) usleep(1000);
+    first.send(SIGKILL, 0.1 * random.number());
+    first.wait();
+    for (int again = 0; again < 2; ++again) {
+      const unsigned processes = random.pick(numbers);
+      // The processes whose launcher was killed may still have to notice: until then they hold the
+      // folder and write further checkpoints.
+      int code = 6;
+      for (int tries = 0; tries < 30 && code != 0; ++tries) {
+        if (tries > 0) sleep(1);
+        const fs::path newest = newest_checkpoint(out);
+        ASSERT_NE(newest, "");
+        code = run(what, {"--resume", "out/" + newest.filename().string()}, processes, there);
+      }
+      EXPECT_EQ(code, 0) << said(there);
+      EXPECT_EQ(difference(at / "alone", out), "") << processes << " processes";
     }
-    EXPECT_EQ(code, 0) << said(there);
-    EXPECT_EQ(difference(at / "alone", out), "") << processes << " processes";
   }
 }
 

@@ -82,8 +82,14 @@ struct Tower {
 
 constexpr double weight_of_block = 8 * edge * edge * edge * density * gravity;
 
-TEST(SleepInContact, AStackFallsAsleepAndCostsNothing) {
-  Tower tower_of(tower());
+struct EachScheme : testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(SleepInContact, EachScheme, testing::Values("symplectic-euler", "xpbd"));
+
+TEST_P(EachScheme, AStackFallsAsleepAndCostsNothing) {
+  Scene scene = tower();
+  scene.solver.integrator = GetParam();
+  if (GetParam() == std::string("xpbd")) scene.solver.softness = 0.05;
+  Tower tower_of(scene);
   tower_of.run_to(ready);
   ASSERT_EQ(tower_of.asleep(), 4);
   const std::vector<double> place = tower_of.positions();

@@ -3,6 +3,7 @@
 // Models with a state whose force depends on dt, in implicit steps.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "kernel/base/aligned.hpp"
@@ -160,6 +161,29 @@ TEST_F(NewmarkHistory, TheNextStepBeginsWithTheAccelerationThatThisOneEndedWith)
   built.dynamics().synchronise();
   const double change = tau / 4 * (a + acceleration(tip)) / 2;
   EXPECT_NEAR(attributes().velocity().get(tip, 1) - v, change, 1e-6 * std::abs(change));
+}
+
+// The state is that of the end of each step: the beam creeps as it does in solved steps.
+TEST_F(History, PositionBasedStepsCreepAlike) {
+  const auto tip_after = [](const char* integrator, double end) {
+    Scene creeping = viscous_beam();
+    creeping.solver.integrator = integrator;
+    creeping.solver.dt = 1e-3;
+    creeping.solver.end = end;
+    creeping.solver.damping = 20;
+    Diagnostics none;
+    Simulation simulation(creeping, host(), none);
+    Observer nobody;
+    simulation.run(nobody);
+    const Column &x = simulation.attributes().position(), &rest = simulation.attributes().rest();
+    double lowest = 0;
+    for (Index v = 0; v < simulation.attributes().vertex_count(); ++v)
+      lowest = std::min(lowest, x.get(v, 1) - rest.get(v, 1));
+    return lowest;
+  };
+  const double solved = tip_after("implicit-euler", 1);
+  EXPECT_NEAR(tip_after("xpbd", 1), solved, 0.01 * std::abs(solved));
+  EXPECT_LT(solved, 1.1 * tip_after("implicit-euler", 0.5)) << "it creeps";
 }
 
 }  // namespace

@@ -129,6 +129,7 @@ void CgalMap::clone(const Cloning& cloning) {
   std::vector<Index> originals = cloning.origins;
   originals.erase(std::unique(originals.begin(), originals.end()), originals.end());
   pierce(originals);
+  for (const Split& absorbed : cloning.absorbed) pierce({absorbed.old_cell});
   sew(cloning.seams);
 }
 

@@ -21,8 +21,9 @@ class ChangeCheck {
     ChangeCheck check(before, after, change);
     for (int dimension = 0; dimension < 3; ++dimension) check.dimension(dimension);
     for (const Index e : check.gone(3)) check.expect(!after.exists(3, e), 3, e, "is not removed");
-    check.expect(after.existing(3) + change.removed[3].size() == before.existing(3), 3, none,
-                 "removed elements are not counted");
+    check.expect(
+        after.existing(3) + change.removed[3].size() == before.existing(3) + change.copies.size(),
+        3, none, "removed elements are not counted");
     check.expect(std::ranges::equal(change.elements, check.elements_), 3, none,
                  "the elements are not those of the stars");
     return check.offence_;

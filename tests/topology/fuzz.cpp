@@ -49,7 +49,7 @@ class Players {
       if (const std::string unreported = ChangeCheck::offence(before, map_, change);
           !unreported.empty())
         return unreported;
-    } catch (const TopologyError& error) {  // only seams can be impossible together
+    } catch (const TopologyError& error) {  // seams can be impossible together
       return refused(wanted, error.what());
     }
     follow(wanted);
@@ -77,6 +77,8 @@ class Players {
     tally.faces_sewn += change.faces_sewn;
     tally.vertices_split += change.splits[0].size();
     tally.vertices_merged += change.merges[0].size();
+    tally.copies += change.copies.size();
+    tally.absorbed += change.absorbed.size();
   }
 
   void follow(const Request& wanted) {
@@ -85,12 +87,15 @@ class Players {
         return oracle_.pierce(wanted.elements);
       case Kind::sew:
         return oracle_.sew(wanted.seams);
+      case Kind::clone:
+        return oracle_.clone(wanted.cloning);
       default:
         return oracle_.cut(wanted.faces);
     }
   }
 
   std::string refused(const Request& wanted, const std::string& why) {
+    if (wanted.kind == Kind::clone) return compare();  // an earlier line has been left out
     if (wanted.kind != Kind::sew) return "refused: " + why;
     if (!oracle_.folds(wanted.seams)) return "refused, but CGAL can: " + why;
     ++tally.refused;
@@ -112,7 +117,7 @@ class Author {
     if (kind < 7) return cut();
     if (kind < 11) return tear();
     if (kind < 14) return pierce();
-    return sew();
+    return kind < 18 ? sew() : clone();
   }
 
  private:
@@ -163,6 +168,48 @@ class Author {
       result.numbers.insert(result.numbers.end(), {seam.one, seam.other});
     }
     return result;
+  }
+
+  /// One to three copies of some elements, joined at random where their originals were; others go,
+  /// as if a copy had taken their material.
+  Operation clone() {
+    Cloning cloning;
+    std::vector<std::vector<Index>> now(map_.element_count());  // what takes the place of each
+    for (Index e = 0; e < now.size(); ++e) {
+      if (below(12) != 0 || !map_.exists(3, e)) {
+        now[e] = {e};
+        continue;
+      }
+      for (auto n = below(4); n > 0; --n) {
+        now[e].push_back(map_.element_count() + static_cast<Index>(cloning.origins.size()));
+        cloning.origins.push_back(e);
+      }
+    }
+    for (Index e = 0; e < now.size(); ++e)
+      if (now[e].empty() && cloning.origins.empty())
+        now[e] = {e};
+      else if (now[e].empty())
+        cloning.absorbed.push_back(
+            {e, map_.element_count() + static_cast<Index>(below(cloning.origins.size()))});
+    for (const Dart d : meshes::interior_faces(map_)) join(d, now, cloning);
+    return operation_of(cloning);
+  }
+
+  void join(Dart face, std::vector<std::vector<Index>>& now, Cloning& cloning) {
+    const Dart mate = map_.beta3(face);
+    std::vector<Index>&ones = now[face / 24], &others = now[mate / 24];
+    if (ones == std::vector{face / 24} && others == std::vector{mate / 24}) {
+      if (below(12) == 0) cloning.cut.push_back(face);
+      return;
+    }
+    std::shuffle(ones.begin(), ones.end(), random_);
+    for (std::size_t i = 0; i < std::min(ones.size(), others.size()); ++i) {
+      const Seam seam{24 * ones[i] + face % 24, 24 * others[i] + mate % 24};
+      if (below(4) == 0)
+        remember(seam);
+      else
+        cloning.seams.push_back(seam);
+    }
   }
 
   /// Faces on the boundary that never met, up to two of each of two elements: glued

@@ -20,6 +20,7 @@ struct Offence {
 struct Tally {
   std::size_t faces_cut = 0, elements_removed = 0, faces_sewn = 0;
   std::size_t vertices_split = 0, vertices_merged = 0;
+  std::size_t copies = 0, absorbed = 0;
   std::size_t refused = 0;  ///< sutures that are possible seam by seam only
 };
 
@@ -27,7 +28,7 @@ struct Tally {
 /// after each operation.
 std::optional<Offence> play(const Journal& journal);
 
-/// Cuts, tears, pierces and sutures at random on this mesh, `operations` of them, and
+/// Cuts, tears, pierces, sutures and copies at random on this mesh, `operations` of them, and
 /// compares as play() does. The journal says what was done, up to an offence.
 std::optional<Offence> play_random(const Mesh& mesh, std::size_t operations, std::mt19937& random,
                                    Journal& journal, Tally& tally);

@@ -81,11 +81,14 @@ TEST(Fuzz, RandomSequencesDoTheSameToBothMaps) {
   }
   std::cout << tally.faces_cut << " faces cut, " << tally.elements_removed << " elements removed, "
             << tally.faces_sewn << " faces sewn, " << tally.vertices_split << " vertices split, "
-            << tally.vertices_merged << " merged, " << tally.refused << " sutures refused\n";
+            << tally.vertices_merged << " merged, " << tally.copies << " copies, " << tally.absorbed
+            << " elements absorbed, " << tally.refused << " sutures refused\n";
   EXPECT_GT(tally.faces_cut, 100 * sequences);
   EXPECT_GT(tally.elements_removed, sequences);
   EXPECT_GT(tally.vertices_split, 100 * sequences);
   EXPECT_GT(tally.vertices_merged, 10 * sequences);
+  EXPECT_GT(tally.copies, 10 * sequences);
+  EXPECT_GT(tally.absorbed, sequences);
   EXPECT_GT(tally.refused, sequences / 10);
 }
 

@@ -17,6 +17,7 @@ Text text_of(const char* text) { return std::make_shared<const std::string>(text
 
 void Room::join(const std::shared_ptr<Connection>& connection) {
   connections_.push_back(connection);
+  check_wants();  // first: who reads the greeting relies on being seen
   if (greeting_) connection->send(greeting_);
   connection->send(
       text_of(connections_.size() == 1 ? R"({"control":true})" : R"({"control":false})"));

@@ -218,20 +218,20 @@ class cell {
   }
   /// In rate(): the field that the functor changes (rate_of), at a node. Its vertex_columns name
   /// the field.
-  SUTURE_INLINE T field(int node) const {
+  SUTURE_INLINE T field(int node, int component = 0) const {
     static_assert(detail::has_rate_of<Functor>,
                   "field() is the field that the functor changes: declare `static constexpr auto "
                   "rate_of = ...`; read other fields by vertex_column()");
-    return field_value(vertex_value<Functor::rate_of.place>(node, 0), dx_, node);
+    return field_value(vertex_value<Functor::rate_of.place>(node, component), dx_, node, component);
   }
   /// In rate(): its change over the step, per second. Its vertex_columns name the attribute that
   /// rate_of_field() declares.
-  SUTURE_INLINE T field_rate(int node) const {
+  SUTURE_INLINE T field_rate(int node, int component = 0) const {
     constexpr std::uint32_t place = detail::field_rate_place<Model>(Functor::vertex_columns.places);
     static_assert(place != UINT32_MAX,
                   "field_rate() is not declared: name the attribute of rate_of_field() in the "
                   "functor's `vertex_columns`");
-    return field_value(vertex_value<place>(node, 0), dv_, node);
+    return field_value(vertex_value<place>(node, component), dv_, node, component);
   }
   /// Writes the trial copy of a column declared with trial(): the next state of a
   /// material with memory. column() keeps the accepted state until the kernel accepts
@@ -313,12 +313,17 @@ class cell {
   }
 
   /// Sets what flows into a node per second, in the unit of the capacity of the field times that
-  /// of the field (J/K . K/s = W). Every node must be set exactly once. With dual numbers the
-  /// derivative is stored.
-  SUTURE_INLINE void rate(int node, const T& r) const {
+  /// of the field (J/K . K/s = W). Every node must be set exactly once, in every component of the
+  /// field. With dual numbers the derivative is stored.
+  SUTURE_INLINE void rate(int node, const T& r) const { rate(node, 0, r); }
+  SUTURE_INLINE void rate(int node, int component, const T& r) const {
     static_assert(sets_forces && detail::has_rate_of<Functor>,
                   "rates may be set only in rate() of a functor with `rate_of`");
-    set(node, {r, T(0.0), T(0.0)});
+    constexpr int components =
+        detail::components_of<Model, std::uint32_t(Functor::rate_of.place)>();
+    SUTURE_DETAIL_CHECK_INDEX(component, component, components);
+    set(node, component, r);
+    for (int c = components; component == 0 && c < 3; ++c) set(node, c, T(0.0));
   }
 
   // ---- findings ----
@@ -376,14 +381,15 @@ class cell {
                       lane_);
   }
   SUTURE_INLINE void set(int node, const vec3<T>& f) const {
+    for (int c = 0; c < 3; ++c) set(node, c, f[c]);
+  }
+  SUTURE_INLINE void set(int node, int c, const T& f) const {
     SUTURE_DETAIL_CHECK_INDEX(node, node, Functor::nodes);
-    for (int c = 0; c < 3; ++c) {
-      element* const p = force_ + (node * 3 + c) * stride + lane_;
-      if constexpr (is_dual<T>)
-        store(p, f[c].derivative);
-      else
-        store(p, f[c]);
-    }
+    element* const p = force_ + (node * 3 + c) * stride + lane_;
+    if constexpr (is_dual<T>)
+      store(p, f.derivative);
+    else
+      store(p, f);
   }
 
   /// An aggregate of reals from the components of a column.
@@ -403,9 +409,10 @@ class cell {
     p += node * 3 * stride + lane_;
     return {load<R>(p), load<R>(p + stride), load<R>(p + 2 * stride)};
   }
-  SUTURE_INLINE T field_value(const real& value, const element* direction, int node) const {
+  SUTURE_INLINE T field_value(const real& value, const element* direction, int node,
+                              int component) const {
     if constexpr (is_dual<T>)
-      return T(value, load<real>(direction + node * 3 * stride + lane_));
+      return T(value, load<real>(direction + (node * 3 + component) * stride + lane_));
     else
       return value;
   }

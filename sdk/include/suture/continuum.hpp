@@ -56,11 +56,14 @@
 //   vertex_fields[]              suture::vertex_field(name, unit, doc); energy(F, p, at) and
 //                                stress(F, p, at) find the values in at.field[i], and
 //                                differentiate at constant fields
-// and may change one field, which then is the only one; the element is trilinear:
+// and may change one field, which then is the only one:
 //   release(F, p, at) -> released<T>  source and flow of the field by its value at.field, its
 //                                gradient and its rate (field_point). F is not differentiated
 //   field_energy(p, at) -> T     optional: the field's own energy density, J/m^3, if release()
 //                                is - d(energy() + field_energy()) by the field
+//   dissipation(p, at) -> T      optional, in place of it: W/m^3, of a field such as a pressure,
+//                                whose release() is no such derivative. What is stored is then
+//                                energy() without the field, and capacity times field^2 / 2
 // Behind the field, `vertex_fields` may declare lumped_capacity(), lumped_relaxation()
 // (diffusion.hpp) and rate_of_field().
 //
@@ -83,7 +86,6 @@
 #define SUTURE_CONTINUUM_HPP
 
 #include "suture/detail/mean_gradient_functors.hpp"
-#include "suture/detail/release.hpp"
 #include "suture/kinematics.hpp"
 #include "suture/mass.hpp"
 
@@ -375,6 +377,14 @@ inline constexpr int nodes_to_check<general_hexahedra<M>> = 1;
 template <class M>
 inline constexpr int nodes_to_check<hexahedron_parts<M>> = 1;
 
+}  // namespace detail
+}  // namespace suture
+
+#include "suture/detail/release_elements.hpp"
+
+namespace suture {
+namespace detail {
+
 /// Only points() and stores() may choose hexahedra whose geometry is not stored. A class of its
 /// own: it is needed where M, which derives from continuum<M>, is complete.
 template <class M>
@@ -382,8 +392,7 @@ constexpr auto choose_functors() {
   using trilinear = list<parallelepipeds<M>, stored_hexahedra<M>>;
   using mean_gradient = list<mean_gradient_parallelepipeds<M>, mean_gradient_hexahedra<M>>;
   if constexpr (has_release<M>)
-    return joined(trilinear(),
-                  list<release_in_parallelepipeds<M>, release_in_general_hexahedra<M>>());
+    return joined(joined(trilinear(), mean_gradient()), release_functors<M>());
   else if constexpr (has_points<M> || has_stores<M>)
     return joined(joined(trilinear(), list<general_hexahedra<M>>()), mean_gradient());
   else

@@ -137,6 +137,14 @@ struct attribute : suture_attribute {
   constexpr attribute trial() const { return flag(SUTURE_TRIAL); }
   /// Users need not know it: `suture describe` does not list it.
   constexpr attribute internal() const { return flag(SUTURE_INTERNAL); }
+  /// The values that a scene may give to a field.
+  constexpr attribute within(double low, double high) const {
+    attribute a = *this;
+    a.minimum = low;
+    a.maximum = high;
+    return a;
+  }
+  constexpr attribute at_least(double low) const { return within(low, infinity); }
   /// The field never falls in a step, such as a damage that does not heal.
   constexpr attribute rising() const { return flag(SUTURE_RISING); }
   constexpr attribute flag(std::uint32_t bits) const {
@@ -179,17 +187,17 @@ constexpr attribute volume_attribute(const char* name, const char* unit, const c
   return make_attribute(3, name, unit, doc, n);
 }
 
-/// An unknown on vertices that the host integrates (SUTURE_FIELD): all models of a body that
-/// declare a field of this name share it. A cut leaves both parts of a vertex its value. Laws read
-/// it where they declare it, a functor changes it by its rate().
-constexpr attribute vertex_field(const char* name, const char* unit, const char* doc) {
-  return vertex_attribute(name, unit, doc).copy().flag(SUTURE_FIELD);
+/// An unknown on vertices that the host integrates (SUTURE_FIELD), of one to three components: all
+/// models of a body that declare a field of this name share it. A cut leaves both parts of a vertex
+/// its value. Laws read it where they declare it, a functor changes it by its rate().
+constexpr attribute vertex_field(const char* name, const char* unit, const char* doc, int n = 1) {
+  return vertex_attribute(name, unit, doc, n).copy().flag(SUTURE_FIELD);
 }
 
 /// The change of the field declared last before it over an implicit step, per second: for rates
-/// that depend on it.
-constexpr attribute rate_of_field(const char* name, const char* unit, const char* doc) {
-  return vertex_attribute(name, unit, doc).copy().internal().flag(SUTURE_FIELD_RATE);
+/// that depend on it. It has as many components.
+constexpr attribute rate_of_field(const char* name, const char* unit, const char* doc, int n = 1) {
+  return vertex_attribute(name, unit, doc, n).copy().internal().flag(SUTURE_FIELD_RATE);
 }
 
 /// Receives the results of a contribution: `set(k, component, value)`, k as in plugin.h.

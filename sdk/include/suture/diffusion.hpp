@@ -192,24 +192,25 @@ SUTURE_INLINE void diffusion_rates_of_part(const vec3<R> (&X)[8], const T (&u)[8
 namespace detail {
 /// Sets the rates of a cell: rates(X, u, r) writes r[n] for the rest positions X and the field u.
 template <class Cell, class Rates>
-SUTURE_INLINE void set_rates(const Cell& c, const Rates& rates) {
+SUTURE_INLINE void set_rates(const Cell& c, int component, const Rates& rates) {
   using T = typename Cell::scalar;
   vec3<typename Cell::real> X[8];
   T u[8], r[8];
   for (int n = 0; n < 8; ++n) {
     X[n] = c.rest(n);
-    u[n] = c.field(n);
+    u[n] = c.field(n, component);
   }
   rates(X, u, r);
-  for (int n = 0; n < 8; ++n) c.rate(n, r[n]);
+  for (int n = 0; n < 8; ++n) c.rate(n, component, r[n]);
 }
 }  // namespace detail
 
-/// Sets the rates of a cell whose field diffuses with conductivity k. The functor reads rest
-/// positions; one for parallelepipeds only (`shape`) takes three quarters of the time.
+/// Sets the rates of a cell whose field diffuses with conductivity k; of a field with several
+/// components, each by a call. The functor reads rest positions; one for parallelepipeds only
+/// (`shape`) takes three quarters of the time.
 template <class Cell, class K>
-SUTURE_INLINE void diffuse(const Cell& c, const K& k) {
-  detail::set_rates(c, [&](const auto& X, const auto& u, auto& r) SUTURE_DETAIL_INLINED {
+SUTURE_INLINE void diffuse(const Cell& c, const K& k, int component = 0) {
+  detail::set_rates(c, component, [&](const auto& X, const auto& u, auto& r) SUTURE_DETAIL_INLINED {
     if constexpr (Cell::shape == SUTURE_PARALLELEPIPED)
       diffusion_rates_of_parallelepiped(X, u, k, r);
     else
@@ -220,8 +221,8 @@ SUTURE_INLINE void diffuse(const Cell& c, const K& k) {
 /// The same of a cell of which only a part is material, whose functor reads `element_part`, or
 /// `element_general_part` for general hexahedra.
 template <class Cell, class K>
-SUTURE_INLINE void diffuse_in_part(const Cell& c, const K& k) {
-  detail::set_rates(c, [&](const auto& X, const auto& u, auto& r) SUTURE_DETAIL_INLINED {
+SUTURE_INLINE void diffuse_in_part(const Cell& c, const K& k, int component = 0) {
+  detail::set_rates(c, component, [&](const auto& X, const auto& u, auto& r) SUTURE_DETAIL_INLINED {
     if constexpr (Cell::shape == SUTURE_PARALLELEPIPED)
       diffusion_rates_of_part(X, u, k, detail::read_part(c), r);
     else

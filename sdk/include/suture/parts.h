@@ -28,7 +28,9 @@ extern "C" {
  * cube [-1,1]^3 of its element, SUTURE_PART_COMPONENTS numbers:
  *   fraction                         volume of the part over that of the element, in (0, 1]
  *   mean x, mean y, mean z           the centroid
- *   mean yz, mean xz, mean xy        about the centre of the cube */
+ *   mean yz, mean xz, mean xy        about the centre of the cube
+ * A functor of SUTURE_ANY_SHAPE gets parts of distorted elements, too. The fraction is then that at
+ * rest, but the mean gradient of such a part does not follow from its moments in the cube. */
 #define SUTURE_PART_COLUMN 0xFFFFFFFEu
 #define SUTURE_PART_COMPONENTS 7u
 

@@ -140,9 +140,9 @@ enum suture_attribute_flag {
                                        cannot set it */
   /* Hosts older than the next two refuse the model by name. */
   SUTURE_FIELD = 1u << 6,      /* an unknown on vertices, such as a temperature, which the host
-                                  integrates: dimension 0, 1 component, policy COPY. One column for
-                                  all models of a body with a field of this name; where vertices
-                                  merge, the mean weighs by capacity */
+                                  integrates: dimension 0, 1 to 3 components, policy COPY. One
+                                  column for all models of a body with a field of this name; where
+                                  vertices merge, the mean weighs by capacity */
   SUTURE_CAPACITY = 1u << 7,   /* of the field that is declared last before it: what a vertex
                                  takes up per unit of the field, such as J/K; the contributions
                                  of all models are summed. Dimension 0, 1 component,
@@ -155,7 +155,7 @@ enum suture_attribute_flag {
                                second */
   SUTURE_FIELD_RATE = 1u << 10 /* of the field that is declared last before it: its change over
                                the implicit step in progress, per second. Written by the host;
-                               dimension 0, 1 component, policy COPY. Only the functors that
+                               dimension 0, as many components, policy COPY. Only the functors that
                                change the field read it, and then explicit steps are refused */
 };
 
@@ -204,6 +204,8 @@ typedef struct suture_attribute {
   /* with FROM_VOLUMES: one for each type of 3-cell for which the model is written;
    * otherwise NULL */
   const suture_contribution* contributions;
+  /* of a field (SUTURE_FIELD): the values that a scene may give; both 0: any */
+  double minimum, maximum;
 } suture_attribute;
 
 /* Vertex pairs of the 12 edges of a hexahedron: 0..3 along x, 4..7 along y,
@@ -332,9 +334,9 @@ typedef struct suture_functor {
   int32_t (*enabled)(const suture_context* context, uint32_t* reads);
   /* 0: `force` computes forces. Otherwise 1 + the index of an attribute with SUTURE_FIELD:
    * `force` computes what flows into each node per second (unit of capacity x field / s), in
-   * component 0 of batch->force; components 1 and 2 are 0. Such a functor has no trial
-   * columns, and offers suture.tangent/1, symmetric, where dx is a change of the field and dv
-   * one of its rate (SUTURE_FIELD_RATE), laid out likewise. */
+   * as many components of batch->force as the field has; the others are 0. Such a functor has
+   * no trial columns, and offers suture.tangent/1, symmetric, where dx is a change of the field
+   * and dv one of its rate (SUTURE_FIELD_RATE), laid out likewise. */
   uint32_t field;
   uint32_t reserved_2; /* 0 */
 } suture_functor;
@@ -412,6 +414,18 @@ typedef struct suture_energy_1 {
   suture_status (*energy)(const suture_context* context, const suture_batch* batch,
                           double* out /* lanes */);
 } suture_energy_1;
+
+/* Of a functor that changes a field whose rates are no derivatives of an energy, such as the
+ * pressure of a fluid: the power that each cell dissipates, W. Its suture.energy/1 is then what
+ * the deformation stores; the field stores half its capacity times its square, and what flows
+ * in supplies its value times the field. */
+#define SUTURE_DISSIPATION_1 "suture.dissipation/1"
+typedef struct suture_dissipation_1 {
+  uint32_t size;
+  uint32_t reserved;
+  suture_status (*power)(const suture_context* context, const suture_batch* batch,
+                         double* out /* lanes */);
+} suture_dissipation_1;
 
 /* Bounds for the stable step. For each node a symmetric 3x3 matrix in the order
  * XX YY ZZ XY YZ XZ: out[(node*6 + c)*lanes + lane]. Block-diagonal bounds of

@@ -63,7 +63,7 @@ inline constexpr bool is_rate_of<F, Place, std::enable_if_t<F::rate_of.place == 
 // inherits one from each of two bases is ambiguous, whatever its signature.
 struct optional_functions {
   int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores, evolve,
-      release, field_energy;
+      release, field_energy, dissipation;
 };
 struct nothing {};
 template <class F>  // a final struct cannot be derived from and is not examined
@@ -94,6 +94,7 @@ SUTURE_DETAIL_NAMES(stores)
 SUTURE_DETAIL_NAMES(evolve)
 SUTURE_DETAIL_NAMES(release)
 SUTURE_DETAIL_NAMES(field_energy)
+SUTURE_DETAIL_NAMES(dissipation)
 #undef SUTURE_DETAIL_NAMES
 
 template <class M>

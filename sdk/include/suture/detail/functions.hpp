@@ -101,6 +101,15 @@ suture_status energy(const suture_context* context, const suture_batch* batch,
 }
 
 template <class M, class F>
+suture_status dissipation(const suture_context* context, const suture_batch* batch,
+                          double* out) noexcept {
+  return for_packs(context, batch, [&](int lane) {
+    const cell<native, M, F> c(context, batch, lane);
+    store(out + lane, F::dissipation(c));
+  });
+}
+
+template <class M, class F>
 suture_status bounds(const suture_context* context, const suture_batch* batch, double* stiffness,
                      double* damping) noexcept {
   std::memset(stiffness, 0, sizeof(double) * F::nodes * 6 * SUTURE_LANES);

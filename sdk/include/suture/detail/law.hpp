@@ -16,7 +16,6 @@ namespace suture {
 /// The elements of continuum.hpp, and their names in a scene.
 enum class element_type { trilinear, mean_gradient };
 inline constexpr const char* element_names[] = {"trilinear", "mean-gradient"};
-inline constexpr const char* trilinear_alone[] = {"trilinear"};
 
 namespace detail {
 
@@ -69,6 +68,13 @@ inline constexpr bool has_field_energy<
                                             std::declval<const field_point<native>&>()))>> = true;
 
 template <class M, class = void>
+inline constexpr bool has_field_dissipation = false;
+template <class M>
+inline constexpr bool has_field_dissipation<
+    M, std::void_t<decltype(M::dissipation(std::declval<const material_of<M>&>(),
+                                           std::declval<const field_point<native>&>()))>> = true;
+
+template <class M, class = void>
 inline constexpr bool has_points = false;
 template <class M>
 inline constexpr bool has_points<M, std::void_t<decltype(&M::points)>> = true;
@@ -103,17 +109,14 @@ constexpr element_type default_element_of() {
     return element_type::mean_gradient;
 }
 
-/// A law that changes its field does so at the Gauss points of trilinear elements.
+/// A law that changes its field has the trilinear element unless a scene says otherwise.
 template <class M>
 constexpr parameter element_parameter() {
-  if constexpr (has_release<M>)
-    return choice("element", "The law at each Gauss point", trilinear_alone).or_else(0);
-  else
-    return choice("element",
-                  "trilinear: the law at each Gauss point; mean-gradient: once per element, at "
-                  "the mean deformation gradient, does not lock",
-                  element_names)
-        .or_else(int(default_element_of<M>()));
+  return choice("element",
+                "trilinear: the law at each Gauss point; mean-gradient: once per element, at "
+                "the mean deformation gradient, does not lock",
+                element_names)
+      .or_else(has_release<M> ? 0 : int(default_element_of<M>()));
 }
 
 /// The parameter "element" follows those that the model declares.
@@ -266,6 +269,11 @@ constexpr bool check_law() {
   static_assert(!names_field_energy<M> || (has_field_energy<M> && has_energy_density<M>),
                 "field_energy() of this law is never called: declare it as `template <class P, "
                 "class At> static auto field_energy(const P& p, const At& at)` beside energy()");
+  static_assert(!names_dissipation<M> ||
+                    (has_field_dissipation<M> && has_energy_density<M> && !has_field_energy<M>),
+                "dissipation() of this law is never called: declare it as `template <class P, "
+                "class At> static auto dissipation(const P& p, const At& at)` beside energy() and "
+                "release(), without field_energy()");
   static_assert(!names_isotropic<M> || is_isotropic<M>,
                 "isotropic() of this law is never called: declare it as `template <class P> static "
                 "suture::lame isotropic(const P& p)`");

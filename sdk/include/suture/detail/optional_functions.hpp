@@ -16,6 +16,13 @@ inline constexpr bool
     has_energy<F, Cell, std::void_t<decltype(F::energy(std::declval<const Cell&>()))>> = true;
 
 template <class F, class Cell, class = void>
+inline constexpr bool has_dissipation = false;
+template <class F, class Cell>
+inline constexpr bool
+    has_dissipation<F, Cell, std::void_t<decltype(F::dissipation(std::declval<const Cell&>()))>> =
+        true;
+
+template <class F, class Cell, class = void>
 inline constexpr bool has_bounds = false;
 template <class F, class Cell>
 inline constexpr bool has_bounds<

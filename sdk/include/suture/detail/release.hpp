@@ -62,13 +62,16 @@ SUTURE_INLINE void add_to_nodes(const T (&at)[8], T (&r)[8]) {
 ///   r_n = integral of N_n source + grad N_n . flow        2 x 2 x 2 points
 template <class M, class Shape>
 struct release_functor : on_volumes {
-  static_assert(field_count<M>() == 1, "release() changes the one field of `vertex_fields`");
+  static_assert(field_count<M>() == 1 && field_components<M>() == 1,
+                "release() changes the one field of `vertex_fields`, of one component");
   static constexpr const char* doc = "What the law releases into its field";
   static constexpr std::uint32_t reads =
       SUTURE_READ_POSITION | (follows_rates<M> ? SUTURE_READ_VELOCITY : 0);
   static constexpr bool element_parameters = varies<M>;
   static constexpr column<field_place<M>> rate_of{};
   static constexpr auto vertex_columns = release_columns<M>();
+
+  static bool enabled(const values& p, std::uint32_t&) { return is_trilinear<M>(p); }
 
   template <class Cell>
   [[gnu::noinline]] static void rate(const Cell& c) {
@@ -88,6 +91,24 @@ struct release_functor : on_volumes {
   }
 
  protected:
+  /// Calls visit(measure, F, field_point) at every Gauss point.
+  template <class Cell, class Visit>
+  static void for_measures(const Cell& c, const Visit& visit) {
+    for_points(c, [&](int, int, int, const auto& weight, const auto&, const auto& F,
+                      const auto& at) { visit(weight, F, at); });
+  }
+  template <class Cell>
+  static typename Cell::scalar hourglass_energy(const Cell&) {
+    return typename Cell::scalar(0.0);
+  }
+  template <class Cell>
+  static typename Cell::scalar power(const Cell& c) {
+    typename Cell::scalar sum(0.0);
+    for_measures(c, [&](const auto& measure, const auto&, const auto& at) {
+      sum += measure * M::dissipation(material<M>(c), at);
+    });
+    return sum;
+  }
   /// Calls visit(i, j, k, weight, J^-1, F, field_point) at every Gauss point.
   template <class Cell, class Visit>
   static SUTURE_INLINE void for_points(const Cell& c, const Visit& visit) {
@@ -148,32 +169,43 @@ struct release_functor : on_volumes {
   }
 };
 
-/// The same of a law with the energy of its field.
-template <class M, class Shape, bool = has_field_energy<M>>
-struct release_with_energy : release_functor<M, Shape> {};
-template <class M, class Shape>
-struct release_with_energy<M, Shape, true> : release_functor<M, Shape> {
+/// `Release` with the energy of the law and of its field; with dissipation(), energy() without the
+/// field.
+template <class M, class Release, bool = has_field_energy<M> || has_field_dissipation<M>>
+struct release_with_energy : Release {};
+template <class M, class Release>
+struct release_with_energy<M, Release, true> : Release {
   template <class Cell>
   static typename Cell::scalar energy(const Cell& c) {
     using T = typename Cell::scalar;
-    T sum(0.0);
-    release_with_energy::for_points(
-        c, [&](int, int, int, const auto& weight, const auto&, const auto& F, const auto& at) {
-          instant_of<M, T> of_law{};
-          of_law.time = at.time;
-          of_law.dt = at.dt;
-          of_law.field[0] = at.field;
-          sum += weight * (called_energy<M>(F, material<M>(c), of_law) +
-                           M::field_energy(material<M>(c), at));
-        });
+    T sum = Release::hourglass_energy(c);
+    Release::for_measures(c, [&](const auto& measure, const auto& F, const auto& at) {
+      instant_of<M, T> of_law{};
+      of_law.time = at.time;
+      of_law.dt = at.dt;
+      of_law.field[0] = has_field_dissipation<M> ? T(0.0) : at.field;
+      sum += measure * called_energy<M>(F, material<M>(c), of_law);
+      if constexpr (has_field_energy<M>) sum += measure * M::field_energy(material<M>(c), at);
+    });
     return sum;
+  }
+};
+/// The same with the power that the law dissipates.
+template <class M, class Release, bool = has_field_dissipation<M>>
+struct release_with_sums : release_with_energy<M, Release> {};
+template <class M, class Release>
+struct release_with_sums<M, Release, true> : release_with_energy<M, Release> {
+  template <class Cell>
+  static typename Cell::scalar dissipation(const Cell& c) {
+    return Release::power(c);
   }
 };
 
 template <class M>
-struct release_in_parallelepipeds : release_with_energy<M, release_in_parallelepipeds<M>> {
+struct release_in_parallelepipeds
+    : release_with_sums<M, release_functor<M, release_in_parallelepipeds<M>>> {
   static constexpr const char* name = "release in parallelepipeds";
-  static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED;
+  static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED, alternative = 4;
   static constexpr column<0> jacobian{};
   static constexpr auto cell_columns = columns(jacobian);
 
@@ -186,9 +218,10 @@ struct release_in_parallelepipeds : release_with_energy<M, release_in_parallelep
 };
 
 template <class M>
-struct release_in_general_hexahedra : release_with_energy<M, release_in_general_hexahedra<M>> {
+struct release_in_general_hexahedra
+    : release_with_sums<M, release_functor<M, release_in_general_hexahedra<M>>> {
   static constexpr const char* name = "release in general hexahedra";
-  static constexpr std::uint32_t shape = SUTURE_GENERAL;
+  static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 3;
   static constexpr std::uint32_t reads =
       SUTURE_READ_REST | release_in_general_hexahedra::release_functor::reads;
 

@@ -19,7 +19,7 @@ constexpr attribute state(const char* name, const char* unit, const char* doc, i
 
 /// What a law receives besides F and p. `state`: the model's State<T>, at the end of the step
 /// (in evolve() at first: at its beginning). `time` and `dt`, s, as those of a cell. `field`: the
-/// values of the model's vertex_fields at the point.
+/// values of the model's vertex_fields at the point, component by component.
 template <class State, class R = double, std::size_t Fields = 0>
 struct instant {
   State state;
@@ -84,8 +84,16 @@ constexpr std::size_t field_count() {
     for (const auto& a : M::vertex_fields) count += (a.flags & SUTURE_FIELD) != 0;
   return count;
 }
+/// The components of all fields.
+template <class M>
+constexpr std::size_t field_components() {
+  std::size_t sum = 0;
+  if constexpr (has_vertex_fields<M>)
+    for (std::size_t i = 0; i < field_count<M>(); ++i) sum += M::vertex_fields[i].components;
+  return sum;
+}
 template <class M, class T>
-using instant_of = instant<state_of<M, T>, real_of<T>, field_count<M>()>;
+using instant_of = instant<state_of<M, T>, real_of<T>, field_components<M>()>;
 
 template <class M>
 constexpr std::size_t state_count() {
@@ -190,7 +198,9 @@ instant_of<M, T> first_instant() {
       numbers[number] = M::states[part].initial;
     });
   if constexpr (has_vertex_fields<M>)
-    for (std::size_t i = 0; i < field_count<M>(); ++i) at.field[i] = M::vertex_fields[i].initial;
+    for (std::size_t i = 0, number = 0; i < field_count<M>(); ++i)
+      for (std::size_t c = 0; c < M::vertex_fields[i].components; ++c)
+        at.field[number++] = M::vertex_fields[i].initial;
   return at;
 }
 
@@ -204,14 +214,17 @@ constexpr double node_weight(int point, int n) {
   }
   return weight;
 }
-template <int Points, class Cell, std::uint32_t... Places, class R, std::size_t Fields>
+template <class M, int Points, class Cell, std::uint32_t... Places, class R, std::size_t Fields>
 SUTURE_INLINE void interpolate_fields(const Cell& c, int point, column_list<Places...>,
                                       R (&field)[Fields]) {
-  std::size_t i = 0;
+  std::size_t number = 0;
   const auto one = [&](auto place) SUTURE_DETAIL_INLINED {
-    R sum(0.0);
-    for (int n = 0; n < 8; ++n) sum += node_weight<Points>(point, n) * c.vertex_column(place, n);
-    field[i++] = sum;
+    for (int i = 0; i < components_of<M, decltype(place)::place>(); ++i) {
+      R sum(0.0);
+      for (int n = 0; n < 8; ++n)
+        sum += node_weight<Points>(point, n) * c.vertex_column(place, n, i);
+      field[number++] = sum;
+    }
   };
   (one(column<Places>()), ...);
 }
@@ -229,7 +242,7 @@ SUTURE_INLINE instant_of<M, typename Cell::scalar> accepted_instant(const Cell& 
           c.column(state_columns<M, Points>, part * Points + point, i);
     });
   if constexpr (has_vertex_fields<M>)
-    interpolate_fields<Points>(c, point, field_columns<M>, at.field);
+    interpolate_fields<M, Points>(c, point, field_columns<M>, at.field);
   return at;
 }
 

@@ -70,6 +70,11 @@ const void* extension(const char* id) noexcept {
     static constexpr suture_energy_1 table{sizeof(suture_energy_1), 0, &energy<M, F>};
     if (is(SUTURE_ENERGY_1)) return &table;
   }
+  if constexpr (has_rate_of<F> && has_dissipation<F, Cell>) {
+    static constexpr suture_dissipation_1 table{sizeof(suture_dissipation_1), 0,
+                                                &dissipation<M, F>};
+    if (is(SUTURE_DISSIPATION_1)) return &table;
+  }
   if constexpr (!has_rate_of<F>) {
     static constexpr suture_stable_dt_1 table{sizeof(suture_stable_dt_1), 0, &bounds<M, F>};
     if (is(SUTURE_STABLE_DT_1)) return &table;

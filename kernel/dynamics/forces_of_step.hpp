@@ -5,28 +5,34 @@
 #include <vector>
 
 #include "kernel/base/rows.hpp"
-#include "kernel/dynamics/body.hpp"
+#include "kernel/dynamics/motion.hpp"
 #include "kernel/forces/contact_law.hpp"
 
 namespace suture {
 
 /// During its life, the column `force` contains the forces of contact in the last step, unless they
-/// are a term: what is held by an obstacle is in balance with them.
-class WithContactForces {
+/// are a term: what is held by an obstacle is in balance with them. It does not contain what the
+/// scheme withheld (Motion::withheld()).
+class ForcesOfStep {
  public:
-  explicit WithContactForces(Body& body) : rows_(body.attributes().force().rows()) {
+  explicit ForcesOfStep(Motion& motion) : rows_(motion.body().attributes().force().rows()) {
+    const std::vector<double>& withheld = motion.withheld();
+    all_.assign(rows_, rows_ + withheld.size());
+    for (std::size_t i = 0; i < withheld.size(); ++i) rows_[i] += withheld[i];
+    Body& body = motion.body();
     if (!body.contact() || body.contact()->is_term()) return;
     for (const ContactLaw::Touch& touch : body.contact()->touches()) {
       saved_.push_back({touch.vertex, row(rows_, touch.vertex)});
       add_to_row(rows_, touch.vertex, touch.force);
     }
   }
-  ~WithContactForces() {
+  ~ForcesOfStep() {
     for (const Saved& saved : saved_)
       std::ranges::copy(saved.force, rows_ + 4 * std::size_t{saved.vertex});
+    std::ranges::copy(all_, rows_);
   }
-  WithContactForces(const WithContactForces&) = delete;
-  WithContactForces& operator=(const WithContactForces&) = delete;
+  ForcesOfStep(const ForcesOfStep&) = delete;
+  ForcesOfStep& operator=(const ForcesOfStep&) = delete;
 
  private:
   struct Saved {
@@ -34,6 +40,7 @@ class WithContactForces {
     Vec3 force;
   };
   double* rows_;
+  std::vector<double> all_;  ///< before, if something is withheld
   std::vector<Saved> saved_;
 };
 

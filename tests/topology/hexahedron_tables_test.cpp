@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "kernel/topology/hexahedron_tables.hpp"
+
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "kernel/topology/hexahedron_tables.hpp"
 #include "suture/plugin.h"
 
 namespace suture::hexahedron {

@@ -18,6 +18,7 @@ struct BladeOptions {
   Index cells = 100;     ///< along each axis of the block that the blade of triangles cuts
   Index rows = 50;       ///< of 100 squares that make the blade, 200 triangles each
   Index moving = 50000;  ///< elements of the scene with the moving blade
+  Index framed = 20000;  ///< elements of the body whose surface is made for a frame
   unsigned threads = 1;
   int rounds = 5;  ///< of dividing planes
   double seconds = 0.5;
@@ -206,10 +207,45 @@ void measure_divisions(const BladeOptions& options, Report& report) {
   }
 }
 
+/// What a frame needs of the embedded surface: made again after a cut, else its points only.
+void measure_surface(const BladeOptions& options, Report& report) {
+  PluginHost host;
+  const auto cells = grid_of(options.framed);
+  BenchBody body(
+      host, {.model = "tm-faure", .cells = cells, .threads = options.threads, .may_divide = true});
+  EmbeddedParts parts{Parts{}};
+  parts.let_grow(body.complex());
+  const double edge = 0.025;
+  const Vec3 centre{edge * cells[0] / 2, edge * cells[1] / 2, edge * cells[2] / 2};
+  const DivisionTimes cut =
+      time_division(body, parts, PlaneBlade({centre, {0.2, 0.3, 1}}), options.threads);
+  const double* rows = body.attributes().position().rows();
+  const Embedding embedding(parts.parts(), body.complex());
+  const auto median_ms = [&](const auto& work) {
+    return 1e3 * measure(work, options.threads, options.seconds).median;
+  };
+  double sum = 0;
+  report.begin("blade surface", "the embedded surface of a body that an oblique plane has divided");
+  report.add(Line()
+                 .add("elements", cut.elements)
+                 .add("divided", cut.divided)
+                 .add("triangles", double(embedding.triangles.size()))
+                 .add("made again ms", median_ms([&] {
+                        sum += double(Embedding(parts.parts(), body.complex()).points.size());
+                      }))
+                 .add("points ms", median_ms([&] {
+                        for (std::size_t p = 0; p < embedding.points.size(); ++p)
+                          for (std::size_t c = 0; c < 3; ++c)
+                            sum += embedding.points.value(p, rows, 4, c);
+                      }))
+                 .add("checksum", sum));
+}
+
 void run_blade(const BladeOptions& options, Report& report) {
   measure_sheets(options, report);
   measure_moving(options, report);
   measure_divisions(options, report);
+  measure_surface(options, report);
 }
 
 }  // namespace
@@ -219,6 +255,7 @@ void add_blade(CommandLine& line) {
   command.option("--cells", &options.cells, "Elements along each axis of the block");
   command.option("--rows", &options.rows, "Blade: hundreds of squares");
   command.option("--moving", &options.moving, "Elements of the scene with a moving blade");
+  command.option("--framed", &options.framed, "Elements of the body whose surface is made");
   command.option("--threads", &options.threads, "Threads").positive();
   command.option("--rounds", &options.rounds, "Bodies that planes divide").positive();
   command.option("--seconds", &options.seconds, "Time spent on each figure");

@@ -16,6 +16,7 @@ struct EventRunOptions {
   int pairs = 5;
   unsigned cuts = 80;
   int steps = 500;
+  std::string only;  ///< of the kinds of events
 };
 
 struct EventCostOptions {
@@ -100,6 +101,7 @@ Run run_of(const Scene& scene, PluginHost& host) {
 /// Runs without and with the events in turn, so that a slow moment of the machine hits both.
 void compare(const char* what, const Scene& without, const Scene& with,
              const EventRunOptions& options, PluginHost& host, Report& report) {
+  if (std::string_view(what).find(options.only) == std::string_view::npos) return;
   std::vector<double> ratios, plain, cut;
   Run last_plain{}, last_cut{};
   for (int pair = 0; pair < options.pairs; ++pair) {
@@ -285,6 +287,7 @@ void add_event_runs(CommandLine& line) {
   command.option("--pairs", &options.pairs, "Pairs of runs").positive();
   command.option("--cuts", &options.cuts, "Cuts of one face");
   command.option("--steps", &options.steps, "Steps of a run with a fixed dt").positive();
+  command.option("--only", &options.only, "A part of the names of the events that are measured");
 }
 
 }  // namespace suture::bench

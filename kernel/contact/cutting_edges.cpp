@@ -132,8 +132,9 @@ void CuttingEdges::find_elements(std::size_t s) {
         has_material(sample, last[0], *at))
       return add(last[0], *at);
   }
-  finder_.for_each_around(start, [&](Index e, const Vec3& at) {
+  finder_.any_around(start, [&](Index e, const Vec3& at) {
     if (has_material(sample, e, at)) add(e, at);
+    return sample.at.size() == now.size();
   });
   if (now[0] != none) return;
   for (const Index e : last) {

@@ -33,15 +33,18 @@ class ElementFinder {
   /// The same if the place is in the element, with its surface.
   std::optional<Vec3> inside(Index element, const Vec3& place) const;
 
-  /// visit(element, at) for the elements that contain the place, ascending.
+  /// visit(element, at) for the elements that contain the place, ascending, until it returns true.
   template <class Visit>
-  void for_each_around(const Vec3& place, Visit visit) const {
+  bool any_around(const Vec3& place, Visit visit) const {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       if (!may_contain(groups_[g], place)) continue;
-      for (const Near& near : group(g))
-        if (may_contain(near.box, place))
-          if (const auto at = inside(near.element, place)) visit(near.element, *at);
+      for (const Near& near : group(g)) {
+        if (!may_contain(near.box, place)) continue;
+        if (const auto at = inside(near.element, place); at && visit(near.element, *at))
+          return true;
+      }
     }
+    return false;
   }
 
  private:

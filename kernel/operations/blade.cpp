@@ -77,20 +77,20 @@ std::vector<double> SurfacePatch::heights(const CellComplex& complex, const doub
   const double within =
       known_within * (longest_edge_ > 0 ? longest_edge_ : longest_edge(complex, rows, stride));
   const Box box = box_of(surface().points);
-  return heights_in({&box, 1}, complex, rows, stride, within);
+  return heights_in({&box, 1}, within, complex, rows, stride, within);
 }
 
-std::vector<double> SurfacePatch::heights_in(std::span<const Box> boxes, const CellComplex& complex,
-                                             const double* rows, std::size_t stride,
-                                             double within) const {
+std::vector<double> SurfacePatch::heights_in(std::span<const Box> boxes, double margin,
+                                             const CellComplex& complex, const double* rows,
+                                             std::size_t stride, double within) const {
   const Box surface_box = box_of(surface().points);
   const double size = norm(minus(surface_box.high, surface_box.low));
   Box all = no_box;
   for (const Box& box : boxes)
     for (const Vec3& corner : {box.low, box.high}) include(all, corner);
   const auto is_near = [&](const Vec3& place) {
-    return contains(all, place, within) &&
-           std::ranges::any_of(boxes, [&](const Box& box) { return contains(box, place, within); });
+    return contains(all, place, margin) &&
+           std::ranges::any_of(boxes, [&](const Box& box) { return contains(box, place, margin); });
   };
   std::vector<double> heights(complex.count(0), std::numeric_limits<double>::quiet_NaN());
   Index last = 0;

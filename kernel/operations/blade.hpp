@@ -52,9 +52,11 @@ class SurfacePatch final : public Blade {
   /// O(vertices), and 1 us for each near the blade.
   std::vector<double> heights(const CellComplex& complex, const double* rows,
                               std::size_t stride) const override;
-  /// The same for vertices in one of the boxes, which are where the blade is looked at.
-  std::vector<double> heights_in(std::span<const Box> boxes, const CellComplex& complex,
-                                 const double* rows, std::size_t stride, double within) const;
+  /// The same for vertices in one of the boxes, enlarged by the margin, that are `within` m of the
+  /// blade.
+  std::vector<double> heights_in(std::span<const Box> boxes, double margin,
+                                 const CellComplex& complex, const double* rows, std::size_t stride,
+                                 double within) const;
   bool is_endless() const override { return false; }
   bool holds(const Vec3& place) const override { return !surface_.foot(place).is_on_border; }
 

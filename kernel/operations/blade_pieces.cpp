@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
@@ -163,6 +164,7 @@ void BladePieces::refine_beside_divided() {
     for (const Index v : complex_.vertices_of(e)) divided.push_back({row(v), v});
   sort_unique(divided);
   std::ranges::sort(undivided_);
+  add_other_lips(divided);
   PartWriter writer(refined_.parts);
   for (const Index e : undivided_) {
     NodeHeights heights;
@@ -171,6 +173,31 @@ void BladePieces::refine_beside_divided() {
     const auto [low, high] = std::ranges::minmax(heights);
     if (low < -tolerance_ && high > tolerance_) refine(e, heights, writer);
   }
+}
+
+/// Adds the elements at vertices in the places of divided ones that have other heights: where a
+/// moving blade crosses its own slit, such an element may be on one side by its own heights.
+void BladePieces::add_other_lips(const NodesByPlace& divided) {
+  Box box = no_box;
+  for (const auto& [place, v] : divided) include(box, place);
+  std::vector<bool> is_other(heights_.size());
+  bool has_other = false;
+  for (Index v = 0; v < heights_.size(); ++v) {
+    if (std::isnan(heights_[v]) || !contains(box, row(v))) continue;
+    const auto at = std::ranges::lower_bound(divided, std::pair(row(v), Index{0}));
+    is_other[v] = at != divided.end() && at->first == row(v) && heights_[at->second] != heights_[v];
+    has_other = has_other || is_other[v];
+  }
+  if (!has_other) return;
+  std::vector<Index> more;
+  for (Index e = 0; e < complex_.element_count(); ++e)
+    if (complex_.exists(3, e) &&
+        std::ranges::any_of(complex_.vertices_of(e), [&](Index v) { return is_other[v]; }) &&
+        !std::ranges::binary_search(crossed_, e) && !std::ranges::binary_search(undivided_, e))
+      more.push_back(e);
+  materials_.find_surface(more, complex_.element_count());
+  undivided_.insert(undivided_.end(), more.begin(), more.end());
+  std::ranges::sort(undivided_);
 }
 
 /// That of a node of divided elements. The other parts of an element have nodes at the same places,

@@ -65,6 +65,7 @@ class BladePieces {
   void check_size(const Material& material) const;
   void divide(Index element);
   void refine_beside_divided();
+  void add_other_lips(const NodesByPlace& divided);
   double rim_height(const NodesByPlace& divided, Index vertex) const;
   void refine(Index element, const NodeHeights& heights, PartWriter& writer);
   void add_whole(Index element);

@@ -2,6 +2,7 @@
 #include "kernel/operations/cut_along.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "kernel/operations/blade_pieces.hpp"
@@ -92,11 +93,24 @@ class Cutter {
       const Index copy = element_of(tie.side), whole = element_of(tie.mate);
       const Dart now = complex_.beta3(tie.mate);
       const bool is_free = now == none || is_cut(tie.mate) || is_cut(now);
-      if (is_free && pieces_.side(copy) * pieces_.side(whole) > 0)
+      if (is_free && pieces_.side(copy) * pieces_.side(whole) > 0 && fit(tie))
         result_.seams.push_back({tie.side, tie.mate});
       else
         result_.ties.push_back(tie);
     }
+  }
+  bool fit(const Tie& tie) {
+    const Index one = pieces_.of(element_of(tie.side)).first,
+                other = pieces_.of(element_of(tie.mate)).first;
+    const auto mine = pieces_[one].triangles()[cube_side_of(tie.side)],
+               theirs = pieces_[other].triangles()[cube_side_of(tie.mate)];
+    return fit(covered(mine, theirs), covered(theirs, mine));
+  }
+  /// Whether what two sides cover of each other is the same. Where a blade has crossed its own
+  /// slit, it may not be: their triangles differ, and joined they would leave a hole in the
+  /// surface.
+  static bool fit(const Covered& here, const Covered& there) {
+    return here.area > 0 && std::abs(here.area - there.area) < 1e-9;
   }
   bool is_cut(Dart side) const {
     return std::ranges::find(result_.cloning.cut, face_of(side)) != result_.cloning.cut.end();
@@ -111,10 +125,9 @@ class Cutter {
         if (a.side * b.side < 0) continue;
         const auto mine = a.triangles()[here_side], theirs = b.triangles()[there_side];
         const Covered here_covered = covered(mine, theirs), there_covered = covered(theirs, mine);
-        const double area = here_covered.area + there_covered.area;
-        if (area > 0)
-          touches_.push_back(
-              {one, other, side, mate, area, here_covered.is_all, there_covered.is_all, is_tied});
+        if (fit(here_covered, there_covered))
+          touches_.push_back({one, other, side, mate, here_covered.area, here_covered.is_all,
+                              there_covered.is_all, is_tied});
       }
   }
 

@@ -16,9 +16,10 @@ namespace {
 constexpr double between_points = 0.5, between_rows = 0.25;
 // How many rows are waited for before the body is cut along them.
 constexpr std::size_t rows_per_cut = 2;
-// Corners of an element that a row crosses, and of its neighbours, are so near, in elements; and
-// points of a row that are near each other.
-constexpr double seen_within = 3;
+// The corners of an element that is divided are so near to the new rows, behind which the opening
+// lags, and so near to the sheet; in elements.
+constexpr double seen_within = 3, near_sheet = 2;
+// Points of a row that are near each other.
 constexpr std::size_t points_per_box = 5;
 // How much of the sheet is kept behind the edge, and how far the edge goes on outside the tissue
 // before its sheet ends; in elements.
@@ -79,10 +80,9 @@ bool SweptSheet::find_shifts(const Row& row) {
   std::vector<std::size_t> inside;
   std::vector<Vec3> found(row.points.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
-    bool is_found = false;
-    finder_.for_each_around(row.points[i], [&](Index e, const Vec3& at) {
-      if (std::exchange(is_found, true)) return;
+    const bool is_found = finder_.any_around(row.points[i], [&](Index e, const Vec3& at) {
       found[i] = minus(place_in(complex_.vertices_of(e), at, rest, 4), row.points[i]);
+      return true;
     });
     if (is_found) inside.push_back(i);
   }
@@ -173,8 +173,8 @@ void SweptSheet::roll_back(double time) {
 
 std::vector<double> SweptSheet::heights(const CellComplex& complex, const double* rest,
                                         std::size_t stride) const {
-  std::vector<double> heights =
-      sheet().heights_in(new_boxes(), complex, rest, stride, seen_within * size_);
+  std::vector<double> heights = sheet().heights_in(new_boxes(), seen_within * size_, complex, rest,
+                                                   stride, near_sheet * size_);
   const auto is_kept = [&](Index v) { return !std::isnan(heights[v]) && !std::isnan(kept_[v]); };
   double agreement = 0;  // the sheet may run the other way than in an earlier stroke
   for (Index v = 0; v < heights.size(); ++v)

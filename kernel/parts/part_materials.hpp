@@ -25,7 +25,7 @@ class PartMaterials {
   explicit PartMaterials(const Parts& parts) : parts_(parts) {}
 
   /// From now on, the materials of these elements have the surface of the body inside them. Call
-  /// once. O(triangles of the surface).
+  /// once for each element. O(triangles of the surface).
   void find_surface(std::span<const Index> elements, Index element_count);
 
   bool is_part(Index element) const {

@@ -179,7 +179,7 @@ FieldEnergy FieldEquation::energy(double time) {
 }
 
 std::string FieldEquation::name(std::size_t component) const {
-  return components_ == 1 ? field_.name : field_.name + '_' + std::to_string(component);
+  return components_ == 1 ? field_.name : field_.name + ' ' + std::to_string(component);
 }
 
 std::string FieldEquation::balance_text(double time) {
@@ -250,10 +250,13 @@ void FieldEquation::restore() {
 
 /// The values are those of the attributes.
 void FieldEquation::state(Archive& archive) {
+  const auto add = [&](const std::string& what, std::size_t c, double& number) {
+    archive((what + (c == 0 ? "" : std::to_string(c))).c_str(), number);
+  };
   for (std::size_t c = 0; c < components_; ++c) {
-    archive("inflow", booked_.of[c].inflow);
-    archive("produced", booked_.of[c].produced);
-    archive("changed", booked_.of[c].changed);
+    add("inflow", c, booked_.of[c].inflow);
+    add("produced", c, booked_.of[c].produced);
+    add("changed", c, booked_.of[c].changed);
   }
   archive("dissipated", booked_.dissipated);
   archive("supplied", booked_.supplied);
@@ -262,7 +265,7 @@ void FieldEquation::state(Archive& archive) {
   archive("iterations", iterations_.all);
   archive("with multigrid", iterations_.with_multigrid);
   if (!archive.has_cells()) return;
-  for (std::size_t c = 0; c < components_; ++c) archive("start", start_[c]);
+  for (std::size_t c = 0; c < components_; ++c) add("start", c, start_[c]);
   archive("rates", rates_);
   archive("fluxes", fluxes_);
   archive("paths", paths_of_);

@@ -98,7 +98,7 @@ class FieldEquation {
   double last_change() const;
   /// "temperature: content 12 J; since the start, 3 J came in, ...", at `time`.
   std::string balance_text(double time);
-  /// The name of a component: "temperature", or "species_1" where there are several.
+  /// The name of a component: "temperature", or "species 1" where there are several.
   std::string name(std::size_t component) const;
   /// The unit of its content: "J".
   std::string unit_of_content() const;

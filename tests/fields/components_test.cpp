@@ -15,13 +15,10 @@
 namespace suture::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
 /// A bar of 1 m of n x 1 x 1 elements that both diffuse in, with 0.5 and 0.125 m^2/s.
 Scene bar_of_two(int n, double exchange, const std::string& solver, const std::string& fields,
                  const std::string& more = R"("output": false)") {
-  static PluginHost host;
-  static const bool is_loaded = (host.add_file(TEST_PLUGINS "/two-species.so"), true);
+  static const bool is_loaded = (plugins().add_file(TEST_PLUGINS "/two-species.so"), true);
   EXPECT_TRUE(is_loaded);
   Diagnostics diagnostics;
   return read_scene_text(
@@ -31,11 +28,11 @@ Scene bar_of_two(int n, double exchange, const std::string& solver, const std::s
           std::to_string(exchange) +
           R"(}}], "constraints": [{"fix": "xyz", "where": "all"}], "solver": {)" + solver +
           R"(}, "fields": [)" + fields + "], " + more + "}",
-      "species.json", {}, lookup_of(host), diagnostics);
+      "species.json", {}, lookup_of(plugins()), diagnostics);
 }
 
-const std::string steps[] = {R"("integrator": "symplectic-euler", "dt": 1e-3, "end": 1)",
-                             R"("integrator": "implicit-euler", "dt": 1e-3, "end": 1)"};
+const std::string schemes[] = {R"("integrator": "symplectic-euler", "dt": 1e-3, "end": 1)",
+                               R"("integrator": "implicit-euler", "dt": 1e-3, "end": 1)"};
 
 double value_of(FieldRun& run, Index v, int component) {
   return run.simulation.attributes().fields().front().values->get(v, component);
@@ -43,23 +40,25 @@ double value_of(FieldRun& run, Index v, int component) {
 
 TEST(Components, DiffuseEachAtItsOwnRate) {
   // cos(pi x) decays with the rate pi^2 k, in both.
-  for (const std::string& solver : steps) {
+  for (const std::string& solver : schemes) {
     FieldRun run(bar_of_two(40, 0, solver, ""));
     const Column& rest = run.simulation.attributes().rest();
     for (Index v = 0; v < rest.size(); ++v)
       for (const std::size_t c : {0, 1})
-        run.equation().set({&v, 1}, 2 + std::cos(pi * rest.get(v, 0)), c);
+        run.equation().set({&v, 1}, 2 + std::cos(std::numbers::pi * rest.get(v, 0)), c);
     run.run_to(0.2);
     for (Index v = 0; v < rest.size(); ++v)
       for (const int c : {0, 1}) {
-        const double left = std::exp(-pi * pi * (c == 0 ? 0.5 : 0.125) * 0.2);
-        EXPECT_NEAR(value_of(run, v, c), 2 + left * std::cos(pi * rest.get(v, 0)), 3e-3);
+        const double left =
+            std::exp(-std::numbers::pi * std::numbers::pi * (c == 0 ? 0.5 : 0.125) * 0.2);
+        EXPECT_NEAR(value_of(run, v, c), 2 + left * std::cos(std::numbers::pi * rest.get(v, 0)),
+                    3e-3);
       }
   }
 }
 
 TEST(Components, ExchangeWhatOneHasMoreOf) {
-  for (const std::string& solver : steps) {
+  for (const std::string& solver : schemes) {
     FieldRun run(bar_of_two(4, 3, solver, R"({"field": "species", "component": 0, "start": 2})"));
     run.run_to(0.25);
     const double difference = 2 * std::exp(-2 * 3 * 0.25);
@@ -84,7 +83,7 @@ TEST(Components, HaveConditionsAndABalanceOfTheirOwn) {
     EXPECT_NEAR(value_of(steady, v, 0), 4 - 3 * rest.get(v, 0), 1e-9);
     EXPECT_NEAR(value_of(steady, v, 1), 2 / 0.125 * rest.get(v, 0), 1e-9);
   }
-  FieldRun run(bar_of_two(10, 0, steps[1], fields));
+  FieldRun run(bar_of_two(10, 0, schemes[1], fields));
   run.run_to(0.3);
   const FieldBalance first = run.equation().balance(0), second = run.equation().balance(1);
   EXPECT_NEAR(second.inflow, 0.3 * 2 * 0.0625, 1e-12);
@@ -92,8 +91,8 @@ TEST(Components, HaveConditionsAndABalanceOfTheirOwn) {
   EXPECT_GT(first.inflow, 0.01);
   EXPECT_NEAR(first.content, 4.0 / 20 * 0.0625 + first.inflow, 1e-12);
   EXPECT_THAT(run.equation().balance_text(0.3),
-              testing::AllOf(testing::HasSubstr("species_0: content"),
-                             testing::HasSubstr("species_1: content")));
+              testing::AllOf(testing::HasSubstr("species 0: content"),
+                             testing::HasSubstr("species 1: content")));
 }
 
 TEST(Components, FollowCutsAndSeamsAndAreSaved) {
@@ -101,9 +100,9 @@ TEST(Components, FollowCutsAndSeamsAndAreSaved) {
       "x0"}}, {"field": "species", "component": 1, "start": 3, "where": {"set": "x1"}})";
   const std::string events = R"("output": false, "events": [{"at": 0.05, "cut": {"plane": {"point":
       [0.5, 0, 0], "normal": [1, 0, 0]}}}])";
-  FieldRun whole(bar_of_two(4, 0, steps[1], fields, events)),
-      first(bar_of_two(4, 0, steps[1], fields, events)),
-      second(bar_of_two(4, 0, steps[1], fields, events));
+  FieldRun whole(bar_of_two(4, 0, schemes[1], fields, events)),
+      first(bar_of_two(4, 0, schemes[1], fields, events)),
+      second(bar_of_two(4, 0, schemes[1], fields, events));
   second.simulation.load(first.run_to(0.1).simulation.save());
   whole.run_to(0.2);
   second.run_to(0.2);
@@ -118,28 +117,29 @@ TEST(Components, FollowCutsAndSeamsAndAreSaved) {
 
 TEST(Components, AreProbedAndWritten) {
   const std::string folder = testing::TempDir() + "/two-species";
-  const Scene scene = bar_of_two(
-      4, 0, R"("integrator": "implicit-euler", "dt": 0.1, "end": 0.2)",
-      R"({"field": "species", "component": 1, "start": 3})",
-      R"("output": {"directory": ")" + folder + R"(", "every": 0.1, "fields": ["species"], "probes":
-      {"every_steps": 1, "at": [{"name": "middle", "point": [0.5, 0, 0], "fields": ["species"]}]},
-      "energies": {"every_steps": 1}})");
+  Scene scene =
+      bar_of_two(4, 0, R"("integrator": "implicit-euler", "dt": 0.1, "end": 0.2)",
+                 R"({"field": "species", "component": 1, "start": 3})",
+                 R"("output": {"every": 0.1, "fields": ["species"], "probes": {"every_steps":
+      1, "at": [{"name": "middle", "point": [0.5, 0, 0], "fields": ["species"]}]}, "energies":
+      {"every_steps": 1}})");
+  scene.output.directory = folder;
   FieldRun(scene).run_to(0.2);
   std::string line;
   std::ifstream probes(folder + "/probes.csv"), energies(folder + "/energies.csv");
   std::getline(probes, line);
   EXPECT_THAT(line,
-              testing::AllOf(testing::HasSubstr("species_0 ["), testing::HasSubstr("species_1 [")));
+              testing::AllOf(testing::HasSubstr("species 0 ["), testing::HasSubstr("species 1 [")));
   std::getline(probes, line);
   EXPECT_THAT(line, testing::HasSubstr(",0,3"));
   std::getline(energies, line);
-  EXPECT_THAT(line, testing::HasSubstr("species_1 content [mol]"));
+  EXPECT_THAT(line, testing::HasSubstr("species 1 content [mol]"));
 }
 
 TEST(Components, AreNamedByConditions) {
   const auto message = [](const std::string& fields) -> std::string {
     try {
-      bar_of_two(2, 0, steps[1], fields);
+      bar_of_two(2, 0, schemes[1], fields);
     } catch (const InputError& error) {
       return error.what();
     }

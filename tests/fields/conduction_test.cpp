@@ -101,15 +101,15 @@ Scene warmed_bar(int n, bool is_cut) {
 TEST(Conduction, SteadyStatesTakeNoMoreIterationsOnFinerMeshes) {
   for (const bool is_cut : {false, true}) {
     std::vector<std::uint64_t> iterations;
-    for (const int n : {5, 10}) {
+    for (const int n : {8, 16}) {
       FieldRun run(warmed_bar(n, is_cut));
       run.run_to(1);
       EXPECT_GT(run.at(4), 400);
       iterations.push_back(run.equation().iterations().with_multigrid);
     }
     EXPECT_GT(iterations[0], 0u);
-    EXPECT_LE(iterations[1], iterations[0] + 4);
-    EXPECT_LT(iterations[1], is_cut ? 60u : 40u);
+    // On another mesh, cuts are other faces.
+    EXPECT_LE(iterations[1], is_cut ? 20 : iterations[0] + 2);
   }
 }
 

@@ -6,6 +6,8 @@
 
 #include <cstdlib>
 
+#include "kernel/base/archive.hpp"
+#include "kernel/dynamics/residual.hpp"
 #include "kernel/dynamics/rest_search.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "tests/base/sanitizer.hpp"
@@ -216,6 +218,21 @@ TEST(Xpbd, FindsItsRest) {
   };
   const double after_long = tip_after(false);
   EXPECT_NEAR(tip_after(true), after_long, 1e-5 * std::abs(after_long));
+}
+
+// A search for rest that goes on from a state sees the forces that it saw before.
+TEST(Xpbd, KeepsWhatItWithholdsInAState) {
+  rig::Cantilever body("tm-faure", {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}}, {.integrator = xpbd});
+  body.run(1.0 / 400, 10);
+  suture::Motion& motion = body.dynamics.motion();
+  const auto residual = [&] { return suture::RestSums().evaluate(motion).residual; };
+  const double before = residual();
+  suture::StateTree state;
+  save_state(state, body.dynamics);
+  motion.discard_forces();
+  EXPECT_NE(residual(), before);
+  load_state(state, body.dynamics);
+  EXPECT_EQ(residual(), before);
 }
 
 // Where there is no energy, there is nothing to project.

@@ -235,6 +235,30 @@ TEST(Xpbd, KeepsWhatItWithholdsInAState) {
   EXPECT_EQ(residual(), before);
 }
 
+/// Loads without a force that refuse the forces at the end of a step.
+struct LateRefusal : suture::ForceTerm {
+  double from;
+  explicit LateRefusal(double time) : from(time) {}
+  const char* name() const override { return "refusal"; }
+  void add_forces(double, const suture::LiveMask&, double*) override {}
+  void add_forces_in_step(const suture::StepTimes& step, const suture::LiveMask&,
+                          double*) override {
+    if (step.time > from) throw suture::StepRejected("refused", 0.5);
+  }
+  void add_forces_at(const suture::VertexSelection&, std::span<const Index>, double,
+                     std::vector<Vec3>&) override {}
+};
+
+TEST(Xpbd, SaysThatItsEndWasRefused) {
+  rig::Oscillator o({.integrator = xpbd});
+  o.body.add(std::make_unique<LateRefusal>(0.035));
+  o.start();
+  o.run(0.01, 3);
+  EXPECT_TRUE(o.dynamics.is_whole());
+  EXPECT_THROW(o.step(0.01), suture::StepRejected);
+  EXPECT_FALSE(o.dynamics.is_whole());
+}
+
 // Where there is no energy, there is nothing to project.
 TEST(Xpbd, RefusesWhatItCannotProject) {
   const auto message = [](const rig::Springs& springs) -> std::string {

@@ -23,8 +23,8 @@ std::string text_of(const Request& request) {
     case Operation::Kind::clone: {
       std::vector<Index> elements = request.cloning.origins;
       sort_unique(elements);
-      text += count(elements.size(), "element") + " (" +
-              std::to_string(request.cloning.origins.size()) + " copies)";
+      text += count(elements.size(), "element") +
+              ", copies: " + std::to_string(request.cloning.origins.size());
       break;
     }
     default:

@@ -78,6 +78,7 @@ void Dynamics::start(double time) {
 
 void Dynamics::step(double dt, double end) {
   const bool solves_fields = is_implicit() && !body().fields().empty();
+  is_whole_ = true;
   if (solves_fields) solve_fields(dt, end);
   try {
     integrator_->begin(dt);
@@ -95,7 +96,9 @@ void Dynamics::step(double dt, double end) {
     ledger_.change_step(difference);
     motion_.sums().change_step(difference);
   }
+  is_whole_ = false;
   integrator_->accept(end);
+  is_whole_ = true;
   if (solves_fields || body().fields().empty()) return;
   for (FieldEquation& field : body().fields()) field.advance_explicitly(end - dt, dt);
   fields_have_changed();

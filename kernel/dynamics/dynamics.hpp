@@ -65,9 +65,12 @@ class Dynamics : private Follower {
   void start(double time = 0);
 
   /// Makes one step to `end` (= time() + dt, except for rounding, which the caller's clock avoids).
-  /// Throws NumericalError for a failing model (StepRejected: nothing has moved), and for a
-  /// velocity that is not finite, naming the vertex. O(cells + vertices).
+  /// Throws NumericalError for a failing model (StepRejected: nothing has moved, if is_whole()),
+  /// and for a velocity that is not finite, naming the vertex. O(cells + vertices).
   void step(double dt, double end);
+  /// False after a step that failed where it ended: the state is lost, and one that was kept must
+  /// be loaded. Whether models accept the end of a position based step shows only there.
+  bool is_whole() const { return is_whole_; }
 
   /// Brings the velocities to time() and, if `with_forces`, writes the forces of the terms (except
   /// gravity) there to the column `force`. Call it before a frame or a cut. The bits of the next
@@ -129,6 +132,7 @@ class Dynamics : private Follower {
   Motion motion_;
   std::unique_ptr<Integrator> integrator_;
   Ledger ledger_;
+  bool is_whole_ = true;
   /// A vertex affected by the current operation, and its previous acceleration.
   struct Changing {
     Index vertex;

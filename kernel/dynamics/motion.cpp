@@ -391,6 +391,10 @@ void Motion::state(Archive& archive) {
   archive("damping", damping_);
   archive("evaluated", evaluated_);
   archive("evaluated dt", evaluated_dt_);
+  archive("withheld", withheld_);
+  archive.require(
+      withheld_.empty() || withheld_.size() == std::size_t{body_.attributes().vertex_count()} * 4,
+      "the withheld forces belong to a different body");
   archive("jumps", jumps_);
   archive("frozen", frozen_);
   archive("awake", awake_);

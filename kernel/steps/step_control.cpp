@@ -314,7 +314,8 @@ void StepControl::roll_back(const NumericalError& error, const Notify& notify) {
   // nothing yet, and the energy of an unstable one is in the balance.
   const bool implicit = built_.dynamics().is_implicit();
   const bool continues_here =
-      (rejected && (kept_.empty() || implicit)) || (kept_.empty() && unstable && !scene_.solver.dt);
+      built_.dynamics().is_whole() && ((rejected && (kept_.empty() || implicit)) ||
+                                       (kept_.empty() && unstable && !scene_.solver.dt));
   if (!may_help || (kept_.empty() && !continues_here) || watch_.halvings() >= max_halvings)
     give_up(error);
   if (!continues_here)

@@ -88,7 +88,7 @@ class Reader {
   }
 
   void read_list(std::vector<Index>& list, std::size_t width, const char* what, std::size_t end) {
-    list.resize(count(width, what) * width);
+    list.resize(count(width, "items") * width);
     for (Index& n : list) n = number(what, end);
   }
 
@@ -152,7 +152,8 @@ void request_cut(const CellComplex& complex, const Operation& operation, Request
 void request_tear(const CellComplex& complex, const Operation& operation, Request& result) {
   std::vector<Dart> star;
   for (const Dart d : operation.numbers) {
-    if (!complex.exists(3, d / hexahedron::darts)) {
+    const Index element = d / hexahedron::darts;
+    if (element >= complex.element_count() || !complex.exists(3, element)) {
       ++result.left_out;
       continue;
     }

@@ -429,8 +429,8 @@ TEST_F(Commands, ReplayRepeatsAJournal) {
   EXPECT_TRUE(good.says("operation 2: sew of 1 face; merges 4 vertices, 4 edges, 1 face; 1 isl"))
       << good;
   EXPECT_TRUE(good.says("operation 3: pierce of 1 element (1 impossible)")) << good;
-  EXPECT_TRUE(good.says("operation 4: clone of 1 element (2 copies)")) << good;
-  EXPECT_TRUE(good.says("operation 5: clone of 1 element (1 copies): refused: element 0 does not"))
+  EXPECT_TRUE(good.says("operation 4: clone of 1 element, copies: 2")) << good;
+  EXPECT_TRUE(good.says("operation 5: clone of 1 element, copies: 1: refused: element 0 does not"))
       << good;
   EXPECT_TRUE(good.says("a.journal: valid (5 operations on 4 elements")) << good;
   EXPECT_TRUE(suture({"-q", "replay", "a.journal"}).err.empty());

@@ -6,6 +6,8 @@
 
 #include <cstdlib>
 
+#include "kernel/base/archive.hpp"
+#include "kernel/dynamics/residual.hpp"
 #include "kernel/dynamics/rest_search.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "tests/base/sanitizer.hpp"
@@ -216,6 +218,45 @@ TEST(Xpbd, FindsItsRest) {
   };
   const double after_long = tip_after(false);
   EXPECT_NEAR(tip_after(true), after_long, 1e-5 * std::abs(after_long));
+}
+
+// A search for rest that goes on from a state sees the forces that it saw before.
+TEST(Xpbd, KeepsWhatItWithholdsInAState) {
+  rig::Cantilever body("tm-faure", {{"E", 4e5}, {"nu", 0.3}, {"rho", 1000}}, {.integrator = xpbd});
+  body.run(1.0 / 400, 10);
+  suture::Motion& motion = body.dynamics.motion();
+  const auto residual = [&] { return suture::RestSums().evaluate(motion).residual; };
+  const double before = residual();
+  suture::StateTree state;
+  save_state(state, body.dynamics);
+  motion.discard_forces();
+  EXPECT_NE(residual(), before);
+  load_state(state, body.dynamics);
+  EXPECT_EQ(residual(), before);
+}
+
+/// Loads without a force that refuse the forces at the end of a step.
+struct LateRefusal : suture::ForceTerm {
+  double from;
+  explicit LateRefusal(double time) : from(time) {}
+  const char* name() const override { return "refusal"; }
+  void add_forces(double, const suture::LiveMask&, double*) override {}
+  void add_forces_in_step(const suture::StepTimes& step, const suture::LiveMask&,
+                          double*) override {
+    if (step.time > from) throw suture::StepRejected("refused", 0.5);
+  }
+  void add_forces_at(const suture::VertexSelection&, std::span<const Index>, double,
+                     std::vector<Vec3>&) override {}
+};
+
+TEST(Xpbd, SaysThatItsEndWasRefused) {
+  rig::Oscillator o({.integrator = xpbd});
+  o.body.add(std::make_unique<LateRefusal>(0.035));
+  o.start();
+  o.run(0.01, 3);
+  EXPECT_TRUE(o.dynamics.is_whole());
+  EXPECT_THROW(o.step(0.01), suture::StepRejected);
+  EXPECT_FALSE(o.dynamics.is_whole());
 }
 
 // Where there is no energy, there is nothing to project.

@@ -49,6 +49,7 @@ TEST(Journal, DamagedOnesAreRefusedWithTheLine) {
       {head + "operations 1\nsew 1  3\n", ":9: the file ends where dart"},
       {head + "operations 1\nclone 1  0  sew 1  24 48", ":8: dart 48; there are 48"},
       {head + "operations 1\nclone 1  0  sew 0  absorb 0", ":8: "},
+      {head + "operations 1\nclone 900  0\n", ":8: 900 items are declared"},
       {head + "operations 1\ncut 0\ncut 0\n", ":9: more data than declared"},
       {head + "operations 3\ncut 1  8\n", ":7: 3 operations are declared"},
   };
@@ -83,6 +84,14 @@ TEST(Journal, RequestsAreWhatTheMapAdmits) {
   wanted = request(map, {Kind::pierce, {0, 1}});
   EXPECT_TRUE(wanted.elements.empty());
   EXPECT_EQ(wanted.left_out, 2u);
+}
+
+// A copy that was refused is missing for all later lines.
+TEST(Journal, RequestsLeaveOutWhatTheMapDoesNotHave) {
+  const CellComplex map = meshes::complex_of(meshes::grid(2, 1, 1));
+  for (const Kind kind : {Kind::cut, Kind::tear, Kind::pierce})
+    EXPECT_EQ(request(map, {kind, {100'000}}).left_out, 1u) << name_of(kind);
+  EXPECT_EQ(request(map, {Kind::sew, {8, 100'000}}).left_out, 1u);
 }
 
 }  // namespace

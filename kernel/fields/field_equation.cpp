@@ -123,6 +123,7 @@ void FieldEquation::advance_explicitly(double time, double dt) {
 /// a field that does not fall (SUTURE_RISING) would lose is not produced.
 void FieldEquation::explicit_step(double time, double dt) {
   evaluate(time);
+  if (has_dissipation_) booked_.dissipated += dt * rates_.dissipation(time);
   for_each_value([&](Index v, std::size_t c, std::size_t) {
     double produced = rate(v, c);
     const double capacity = this->capacity(v), more = rate(v, c) + flux(v, c);
@@ -131,16 +132,19 @@ void FieldEquation::explicit_step(double time, double dt) {
         produced -= more;
       } else {
         value(v, c) += dt * more / capacity;
-        booked_.dissipated += rate(v, c) * (dt * more / capacity);
+        if (!has_dissipation_) booked_.dissipated += rate(v, c) * (dt * more / capacity);
       }
     }
     booked_.of[c].produced += dt * produced;
     booked_.of[c].inflow += dt * flux(v, c);
+    booked_.supplied += value(v, c) * dt * flux(v, c);
   });
   for (const Held& held : held_) {
     const auto [v, c, path] = held;
     const double next = prescribed(held, time + dt);
-    booked_.of[c].inflow += capacity(v) * (next - value(v, c)) - dt * (rate(v, c) + flux(v, c));
+    const double in = capacity(v) * (next - value(v, c)) - dt * (rate(v, c) + flux(v, c));
+    booked_.of[c].inflow += in;
+    booked_.supplied += next * in;
     value(v, c) = next;
   }
 }

@@ -158,6 +158,17 @@ class FieldEquation {
   void find_diagonal(double time, double per_dt);
   double find_residual(double time, double per_dt);
   bool solve_linear(double time, double per_dt);
+  bool solve_definite();
+  /// Values that a steady state leaves open by a constant, in groups.
+  struct OpenGroups {
+    std::vector<Index> of;  ///< by place in the vectors of Newton's method; `none`: determined
+    Index count = 0;
+  };
+  OpenGroups find_open_groups() const;
+  void add_open_groups(OpenGroups& groups, const std::vector<Index>& islands, Index count,
+                       std::size_t first, std::size_t last) const;
+  bool is_balanced(const OpenGroups& groups) const;
+  void keep_contents(const OpenGroups& groups);
   void set_matrix(double time, double per_dt);
   void build_multigrid();
   double taken_up(Index v, std::size_t c, double per_dt) const;

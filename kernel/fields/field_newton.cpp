@@ -27,6 +27,8 @@ constexpr double newton_tolerance = 1e-10;
 /// A part of the products of which the residual is a sum.
 constexpr double rounding_of_sums = 1e-14;
 constexpr double krylov_tolerance = 1e-12;
+/// Of a constant on rates, beside the diagonal: less is rounding.
+constexpr double least_effect = 1e-10;
 /// With the diagonal alone: about as long as it takes to build the multigrid.
 constexpr unsigned simple_iterations = 40;
 constexpr unsigned multigrid_iterations = 5000;
@@ -110,9 +112,18 @@ void FieldEquation::build_multigrid() {
   is_built_ = true;
 }
 
-/// Finds change_; false if the matrix is not positive.
+/// Finds change_; false if the matrix is not positive, or if nothing balances the residual.
 bool FieldEquation::solve_linear(double time, double per_dt) {
   set_matrix(time, per_dt);
+  if (per_dt != 0) return solve_definite();
+  const OpenGroups open = find_open_groups();
+  if (!is_balanced(open) || !solve_definite()) return false;
+  keep_contents(open);
+  return true;
+}
+
+/// The same, but for what open groups contain.
+bool FieldEquation::solve_definite() {
   const auto product = [&](const double* d, double* out) { matrix_.apply(d, out); };
   const auto by_diagonal = [&](const double* r, double* z) {
     for (std::size_t i = 0; i < diagonal_.size(); ++i)
@@ -168,6 +179,80 @@ void FieldEquation::solve(double time, double per_dt) {
                      "and rates that fall with the field"
                    : "; reduce /solver/dt"));
 }
+
+// -------------------------------------------------------------- open groups --
+//
+// A steady state does not say what an island contains where no value is prescribed and nothing but
+// conduction acts: a constant can be added to it. Such a group of values keeps its content. It has
+// a state only if nothing flows in. A group has one component, or all where rates couple them.
+
+FieldEquation::OpenGroups FieldEquation::find_open_groups() const {
+  Index count = 0;
+  const std::vector<Index> island_of = complex_.islands(&count);
+  std::vector<Index> islands(vertices(), none);
+  for (Index e = 0; e < island_of.size(); ++e)
+    if (island_of[e] != none)
+      for (const Index v : complex_.vertices_of(e)) islands[v] = island_of[e];
+  OpenGroups groups{std::vector<Index>(diagonal_.size(), none)};
+  for (std::size_t c = 0; c < components_; ++c) add_open_groups(groups, islands, count, c, c);
+  if (components_ > 1) add_open_groups(groups, islands, count, 0, components_ - 1);
+  return groups;
+}
+
+/// Adds those of the components `first` to `last` on which a constant has no effect.
+void FieldEquation::add_open_groups(OpenGroups& groups, const std::vector<Index>& islands,
+                                    Index count, std::size_t first, std::size_t last) const {
+  std::vector<char> is_open(count, 1);
+  std::vector<double> one(diagonal_.size()), effect(diagonal_.size());
+  const auto for_each = [&](auto visit) {
+    for_each_value([&](Index v, std::size_t c, std::size_t i) {
+      if (sums_[i] != 0 && c >= first && c <= last) visit(is_open[islands[v]], v, i);
+    });
+  };
+  for_each([&](char& open, Index, std::size_t i) {
+    if (!matrix_.free()[i] || groups.of[i] != none) open = 0;
+  });
+  if (std::ranges::find(is_open, 1) == is_open.end()) return;
+  for_each([&](char open, Index, std::size_t i) { one[i] = open; });
+  matrix_.apply(one.data(), effect.data());
+  for_each([&](char& open, Index, std::size_t i) {
+    if (std::abs(effect[i]) > least_effect * diagonal_[i]) open = 0;
+  });
+  for_each([&](char open, Index v, std::size_t i) {
+    if (open) groups.of[i] = groups.count + islands[v];
+  });
+  groups.count += count;
+}
+
+/// Whether nothing flows into open groups.
+bool FieldEquation::is_balanced(const OpenGroups& groups) const {
+  std::vector<double> inflow(groups.count), scale(groups.count);
+  for_each_value([&](Index v, std::size_t c, std::size_t i) {
+    const Index g = groups.of[i];
+    if (g == none) return;
+    inflow[g] += residual_[i];
+    scale[g] += std::abs(diagonal_[i] * value(v, c));
+  });
+  for (Index g = 0; g < groups.count; ++g)
+    if (std::abs(inflow[g]) > rounding_of_sums * scale[g]) return false;
+  return true;
+}
+
+void FieldEquation::keep_contents(const OpenGroups& groups) {
+  std::vector<double> content(groups.count), weight(groups.count);
+  for_each_value([&](Index v, std::size_t, std::size_t i) {
+    const Index g = groups.of[i];
+    if (g == none) return;
+    const double share = capacity(v) > 0 ? capacity(v) : diagonal_[i];
+    content[g] += share * change_[i];
+    weight[g] += share;
+  });
+  for_each_value([&](Index, std::size_t, std::size_t i) {
+    if (const Index g = groups.of[i]; g != none) change_[i] -= content[g] / weight[g];
+  });
+}
+
+// --------------------------------------------------------------------------
 
 double FieldEquation::relative_change() const {
   Contents change{}, largest{};

@@ -95,6 +95,15 @@ TEST(Components, HaveConditionsAndABalanceOfTheirOwn) {
                              testing::HasSubstr("species 1: content")));
 }
 
+TEST(Components, KeepTheirSumWhereTheyMeetAndNothingEnters) {
+  FieldRun run(bar_of_two(160, 3, R"("static": {"frames": 1})",
+                          R"({"field": "species", "component": 0, "start": 2},
+      {"field": "species", "component": 1, "start": 8, "where": {"set": "x1"}})"));
+  run.run_to(1);
+  for (Index v = 0; v < run.simulation.attributes().vertex_count(); ++v)
+    for (const int c : {0, 1}) EXPECT_NEAR(value_of(run, v, c), 1 + 8 / 320.0 / 2, 1e-7);
+}
+
 TEST(Components, FollowCutsAndSeamsAndAreSaved) {
   const std::string fields = R"({"field": "species", "component": 0, "start": 2, "where": {"set":
       "x0"}}, {"field": "species", "component": 1, "start": 3, "where": {"set": "x1"}})";

@@ -135,6 +135,21 @@ TEST(Conduction, ASteadyFluxMakesALinearProfile) {
   EXPECT_LT(run.error([](double x) { return 300 + 50 / 2.0 * x; }), 1e-8);
 }
 
+// An island without a prescribed value: the multigrid could add any constant to it.
+TEST(Conduction, ASteadyIslandKeepsItsContent) {
+  FieldRun run(
+      bar(160, R"("static": {"frames": 1})", R"("fields": [{"field": "temperature", "start":
+      300}, {"field": "temperature", "start": 700, "where": {"set": "x0"}}, {"field": "temperature",
+      "fix": 400, "where": {"set": "x1"}}], "events": [{"at": 0, "cut": {"plane": {"point": [0.85,
+      0, 0], "normal": [1, 0, 0]}}}])"));
+  run.run_to(1);
+  ASSERT_GT(run.equation().iterations().with_multigrid, 0u);
+  const double mean = 300 + 400 / (0.85 * 320);  // half an element was warm
+  EXPECT_NEAR(run.at(0), mean, 1e-6);
+  EXPECT_NEAR(run.at(0.5), mean, 1e-6);
+  EXPECT_NEAR(run.at(0.95), 400, 1e-6);
+}
+
 TEST(Conduction, ALinearProfileIsExactOnDistortedElements) {
   Scene scene = bar(5, R"("static": {"frames": 1})", R"("fields": [{"field": "temperature", "fix":
       0, "where": {"set": "x0"}}, {"field": "temperature", "fix": 1, "where": {"set": "x1"}}])");

@@ -63,5 +63,25 @@ TEST(Coupled, TheWorkOfAHeatedSolidIsInTheLedger) {
   EXPECT_LT(std::abs(balance.balance), 0.02 * (std::abs(balance.models) + balance.kinetic));
 }
 
+// rate-half-loss says half of what its flow dissipates.
+TEST(Coupled, WhatALawDissipatesClosesTheBooksOfEveryScheme) {
+  static const bool is_loaded = (plugins().add_file(TEST_PLUGINS "/faulty-rates.so"), true);
+  EXPECT_TRUE(is_loaded);
+  for (const std::string integrator : {"symplectic-euler", "implicit-euler"}) {
+    FieldRun run(field_scene(
+        R"("mesh": {"box": {"size": [1, 1, 1], "cells": [8, 2, 2]}}, "models": [{"model":
+        "rate-half-loss"}], "constraints": [{"fix": "xyz", "where": "all"}], "fields": [{"field":
+        "u", "start": 1, "where": {"set": "x0"}}, {"field": "u", "fix": 1, "where": {"set": "x0"}},
+        {"field": "u", "flux": 0.5, "where": {"set": "x1"}}], "solver": {"integrator": ")" +
+        integrator + R"(", "dt": 1e-4, "end": 0.1})"));
+    const double before = run.energy().stored;
+    run.run_to(0.05);
+    const FieldEnergy now = run.energy();
+    EXPECT_GT(now.supplied, 0.1);
+    EXPECT_NEAR(now.stored + 2 * now.dissipated, before + now.supplied, 0.01 * now.supplied)
+        << integrator;
+  }
+}
+
 }  // namespace
 }  // namespace suture::test

@@ -121,7 +121,46 @@ struct OneWay : suture::continuum<OneWay> {
   }
 };
 
+// The second component follows the first, which does not follow it.
+struct Followed : Field<Followed> {
+  static constexpr const char* id = "rate-followed";
+  static constexpr suture::attribute attributes[] = {
+      suture::vertex_field("u", "1", "Two unknowns", 2),
+      suture::lumped_capacity<Followed>("capacity", "1", "Of the nodes")};
+  template <class Cell>
+  static void rate(const Cell& c) {
+    const auto flow = c.field(0, 0) - c.field(1, 0);
+    for (int n = 0; n < 8; ++n) {
+      c.rate(n, 0, 0.0 * flow);
+      c.rate(n, 1, (n == 0 ? -1.0 : n == 1 ? 1.0 : 0.0) * flow);
+    }
+  }
+};
+
+// The law says half of what its flow dissipates.
+struct HalfLoss : suture::continuum<HalfLoss> {
+  static constexpr const char *id = "rate-half-loss", *doc = "A planted fault", *formula = "none",
+                              *citation = "none";
+  static double density(const suture::values&) { return 1000; }
+  static double capacity(const suture::values&) { return 2; }
+  static constexpr suture::attribute vertex_fields[] = {
+      suture::vertex_field("u", "1", "An unknown"),
+      suture::lumped_capacity<HalfLoss>("capacity", "1", "Of the nodes")};
+  template <class T, class P, class At>
+  static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P&, const At&) {
+    return 1e4 * (excess_I1(F) - 2.0 * log1p(excess_J(F)));
+  }
+  template <class P, class At>
+  static auto dissipation(const P&, const At& at) {
+    return 0.5 * dot(at.gradient, at.gradient);
+  }
+  template <class F, class P, class At>
+  static auto release(const F&, const P&, const At& at) {
+    return suture::released{0.0 * at.field, at.gradient * -1.0};
+  }
+};
+
 }  // namespace
 
 SUTURE_PLUGIN("faulty-rates", "1.0", "MIT", "Fields with planted faults", Upwind, Source,
-              ReadingSource, Blind, NoCapacity, Empty, OneWay)
+              ReadingSource, Blind, NoCapacity, Empty, OneWay, Followed, HalfLoss)

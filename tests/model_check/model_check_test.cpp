@@ -76,7 +76,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Planted{"active-fixed-axis", "objectivity"}, Planted{"rate-upwind", "rates"},
                     Planted{"rate-source", "rates"}, Planted{"rate-reading-source", "rates"},
                     Planted{"rate-blind", "rates"}, Planted{"rate-empty", "field-cut"},
-                    Planted{"rate-no-capacity", "field-cut"}, Planted{"rate-one-way", "coupling"}),
+                    Planted{"rate-no-capacity", "field-cut"}, Planted{"rate-one-way", "coupling"},
+                    Planted{"rate-followed", "rates"}, Planted{"rate-half-loss", "rates"}),
     [](const auto& test) {
       std::string name = test.param.fault;
       std::erase(name, '-');

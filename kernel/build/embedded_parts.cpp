@@ -10,6 +10,26 @@
 #include "kernel/topology/dart.hpp"
 
 namespace suture {
+namespace {
+
+/// Triangles that are no faces of the finer tetrahedra of their element have stayed: their corners
+/// become the points from `first` at the same places. Those of an element follow each other.
+void take_new_points(Parts& parts, Index first) {
+  const std::vector<EmbeddedPoint>& points = parts.points;
+  std::unordered_map<Index, Index> first_of;
+  for (Index p = first; p < points.size(); ++p) first_of.try_emplace(points[p].element, p);
+  for (auto& triangle : parts.triangles) {
+    const Index element = points[triangle[0]].element;
+    const auto of_element = first_of.find(element);
+    if (of_element == first_of.end()) continue;
+    for (Index& corner : triangle)
+      for (Index p = of_element->second;
+           corner < first && p < points.size() && points[p].element == element; ++p)
+        if (points[p].at == points[corner].at) corner = p;
+  }
+}
+
+}  // namespace
 
 void EmbeddedParts::let_grow(const CellComplex& complex) {
   if (parts_.first.empty()) parts_.first.push_back(0);
@@ -85,6 +105,7 @@ void EmbeddedParts::refine(const RefinedParts& refined) {
     parts_.is_cut.push_back(std::uint8_t{parts_.is_cut[source]});
     cut_of_triangle_.push_back(Index{cut_of_triangle_[source]});
   }
+  take_new_points(parts_, first_point);
   number_lips(first_triangle);
 }
 

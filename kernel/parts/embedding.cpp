@@ -12,7 +12,8 @@
 namespace suture {
 namespace {
 
-/// Collects points: they are the same if the vertices on which they depend and their weights are.
+/// Collects points. Those on edges and faces of elements are the same if the vertices on which they
+/// depend and their weights are; one within an element depends on all eight nodes, and is alone.
 class Welding {
  public:
   Welding(const CellComplex& complex, std::size_t expected, EmbeddedPoints& out)
@@ -34,8 +35,10 @@ class Welding {
       out_.vertices.push_back(nodes[n]);
       out_.weights.push_back(weights[n]);
     }
-    const bool is_vertex = out_.vertices.size() == out_.first.back() + std::size_t{1};
-    return finish(is_vertex ? number_of_[out_.vertices.back()] : place_of_last());
+    const std::size_t used = out_.vertices.size() - out_.first.back();
+    return used == 1   ? finish(number_of_[out_.vertices.back()])
+           : used == 8 ? finish()
+                       : finish(place_of_last());
   }
   Index add(Index vertex) {
     if (number_of_[vertex] != none) return number_of_[vertex];
@@ -105,7 +108,7 @@ class Welding {
   const CellComplex& complex_;
   EmbeddedPoints& out_;
   std::vector<Index> number_of_;  ///< of points in the places of vertices
-  std::vector<Index> table_;      ///< of all other points, by their hashes
+  std::vector<Index> table_;      ///< of points on edges and faces, by their hashes
 };
 
 /// Collects the cells of an embedding.

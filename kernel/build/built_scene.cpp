@@ -22,6 +22,7 @@
 #include "kernel/contact/multiplier_forces.hpp"
 #include "kernel/contact/penalty_forces.hpp"
 #include "kernel/forces/dead_loads.hpp"
+#include "kernel/forces/enclosed_volumes.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
 #include "kernel/geometry/centroid.hpp"
@@ -313,6 +314,20 @@ void BuiltScene::add_terms() {
     add_pressures(std::make_unique<SurfacePressures>(attributes), triangles);
   else
     add_pressures(std::make_unique<Pressures>(attributes), faces);
+  add_volumes();
+}
+
+void BuiltScene::add_volumes() {
+  const auto keeps_volume = [](const Load& load) { return load.kind == Load::Kind::volume; };
+  if (std::ranges::none_of(scene_.loads, keeps_volume)) return;
+  if (is_embedded())
+    throw InputError(
+        "/loads: \"volume\" needs a surface of whole faces of elements; remove it, or "
+        "choose a mesh and cuts that do not divide elements");
+  auto& volumes = body_.add(std::make_unique<EnclosedVolumes>(body_.attributes(), body_.complex()));
+  for (const Load& load : scene_.loads)
+    if (keeps_volume(load))
+      volumes.add(selector_.boundary_faces(load.where), load.pressure, load.ramp);
 }
 
 void BuiltScene::add_contact(Diagnostics& diagnostics) {

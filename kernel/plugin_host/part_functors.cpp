@@ -20,7 +20,9 @@ const suture_attribute& cell_attribute(const suture_model& model, std::uint32_t 
                             "1",
                             "The part of an element that is material",
                             0,
-                            nullptr};
+                            nullptr,
+                            0,
+                            0};
   };
   static constexpr suture_attribute part = made(SUTURE_PART_COMPONENTS),
                                     general = made(SUTURE_GENERAL_PART_COMPONENTS);

@@ -251,9 +251,9 @@ void Recorder::energies(std::uint64_t step, double time, double dt, const Energy
       values.insert(values.end(), {b.content, b.inflow, b.produced, b.changed});
     }
     if (!field.has_energy()) continue;
-    const FieldEnergy e = field.energy(time);
-    values.insert(values.end(), {e.stored, e.dissipated});
-    if (field.has_dissipation()) values.push_back(e.supplied);
+    const FieldEnergy own = field.energy(time);
+    values.insert(values.end(), {own.stored, own.dissipated});
+    if (field.has_dissipation()) values.push_back(own.supplied);
   }
   require_finite(values, "energies.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::energies, nullptr, std::move(values)});

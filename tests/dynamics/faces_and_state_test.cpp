@@ -82,9 +82,22 @@ struct Tables {
                      "kg",
                      "",
                      0,
-                     &masses};
-    attributes[1] = {
-        sizeof(suture_attribute), 3, 1, SUTURE_COPY, SUTURE_TRIAL, 0, "age", "1", "", 0, nullptr};
+                     &masses,
+                     0,
+                     0};
+    attributes[1] = {sizeof(suture_attribute),
+                     3,
+                     1,
+                     SUTURE_COPY,
+                     SUTURE_TRIAL,
+                     0,
+                     "age",
+                     "1",
+                     "",
+                     0,
+                     nullptr,
+                     0,
+                     0};
     for (suture_functor& f : functors) {
       f.size = sizeof f;
       f.lanes = lanes;

@@ -166,7 +166,19 @@ suture_parameter parameter(const char* name, double value) {
 
 suture_attribute attribute(const char* name, std::uint32_t dimension,
                            const suture_contribution* sum) {
-  return {sizeof(suture_attribute), dimension, 1, SUTURE_FROM_VOLUMES, 0, 1, name, "1", "", 0, sum};
+  return {sizeof(suture_attribute),
+          dimension,
+          1,
+          SUTURE_FROM_VOLUMES,
+          0,
+          1,
+          name,
+          "1",
+          "",
+          0,
+          sum,
+          0,
+          0};
 }
 
 suture_functor functor(const char* name, std::uint32_t dimension, std::uint32_t type,

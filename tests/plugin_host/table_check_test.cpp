@@ -33,11 +33,11 @@ struct Tables {
   suture_contribution sums[2] = {{sizeof(suture_contribution), SUTURE_HEXAHEDRON, sum},
                                  {sizeof(suture_contribution), SUTURE_HEXAHEDRON, sum}};
   suture_attribute attributes[3] = {{sizeof(suture_attribute), 0, 1, SUTURE_FROM_VOLUMES,
-                                     SUTURE_SHARED_MASS, 1, "mass", "kg", "Lumped.", 0, sums},
+                                     SUTURE_SHARED_MASS, 1, "mass", "kg", "Lumped.", 0, sums, 0, 0},
                                     {sizeof(suture_attribute), 1, 1, SUTURE_FROM_VOLUMES,
-                                     SUTURE_OUTPUT, 1, "k", "N/m", "Stiffness.", 0, sums},
+                                     SUTURE_OUTPUT, 1, "k", "N/m", "Stiffness.", 0, sums, 0, 0},
                                     {sizeof(suture_attribute), 0, 3, SUTURE_COPY, SUTURE_TRIAL, 0,
-                                     "pull", "N", "A load.", 0, nullptr}};
+                                     "pull", "N", "A load.", 0, nullptr, 0, 0}};
   std::uint32_t cell_columns[1] = {1};
   std::uint32_t vertex_columns[2] = {2, UINT32_MAX};
   suture_functor functors[1] = {{sizeof(suture_functor),
@@ -207,7 +207,9 @@ void vary(Tables& t) {
                      "Pa",
                      "E",
                      1e5,
-                     nullptr};
+                     nullptr,
+                     0,
+                     0};
   t.functors[0].vertex_column_count = 0;
 }
 
@@ -320,7 +322,9 @@ const TableCase attribute_cases[] = {
                           "K",
                           "Heat",
                           0,
-                          nullptr};
+                          nullptr,
+                          0,
+                          0};
        t.attributes[1].flags = SUTURE_CAPACITY;
      },
      MODEL ", attribute 'k': has SUTURE_CAPACITY: expected dimension 0, 1 component, policy "

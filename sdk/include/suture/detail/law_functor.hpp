@@ -64,6 +64,7 @@ constexpr auto fields_of_law() {
 /// What energies and outputs are sums over: the Gauss points of an element, of at most `Most`.
 template <class T, int Most>
 struct deformed_element {
+  static constexpr int most = Most;
   int points = 0;
   mat3<T> F[Most];
   T measure[Most];              ///< m^3

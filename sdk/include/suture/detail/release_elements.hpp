@@ -150,15 +150,15 @@ struct release_beside : on_volumes {
         mean_change = mean_change / volume;
       }
     }
-    bool is_mean() const { return now.points == 1; }
-    int place(int point) const { return is_mean() ? 0 : point; }
+    static constexpr bool is_mean = decltype(now)::most == 1;
+    static int place(int point) { return is_mean ? 0 : point; }
     const mat3<R>& F(int point) const { return now.F[place(point)]; }
-    R weight(int point) const { return now.measure[place(point)] * R(is_mean() ? 0.125 : 1.0); }
+    R weight(int point) const { return now.measure[place(point)] * R(is_mean ? 0.125 : 1.0); }
     field_point<T> at(const Cell& c, const mat3<T>& gradient, int point) const {
       field_point<T> at{};
       at.time = c.time();
       at.dt = c.dt();
-      at.field = is_mean() ? mean_value : value[point];
+      at.field = is_mean ? mean_value : value[point];
       for (int d = 0; d < 3; ++d) at.gradient[d] = gradient(0, d);
       if constexpr (follows_rates<M>) {
         at.rate = change[point];

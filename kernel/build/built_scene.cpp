@@ -318,16 +318,21 @@ void BuiltScene::add_terms() {
 }
 
 void BuiltScene::add_volumes() {
-  const auto keeps_volume = [](const Load& load) { return load.kind == Load::Kind::volume; };
-  if (std::ranges::none_of(scene_.loads, keeps_volume)) return;
-  if (is_embedded())
-    throw InputError(
-        "/loads: \"volume\" needs a surface of whole faces of elements; remove it, or "
-        "choose a mesh and cuts that do not divide elements");
-  auto& volumes = body_.add(std::make_unique<EnclosedVolumes>(body_.attributes(), body_.complex()));
-  for (const Load& load : scene_.loads)
-    if (keeps_volume(load))
-      volumes.add(selector_.boundary_faces(load.where), load.pressure, load.ramp);
+  EnclosedVolumes* volumes = nullptr;
+  for (const Load& load : scene_.loads) {
+    if (load.kind != Load::Kind::volume) continue;
+    if (is_embedded())
+      throw InputError(load.where.path +
+                       ": a \"volume\" needs whole faces of elements around it; choose a mesh, and "
+                       "cuts that do not divide elements");
+    if (scene_.solver.integrator == "xpbd")
+      throw InputError(load.where.path +
+                       ": \"xpbd\" knows stiffness of models only; choose another integrator for a "
+                       "\"volume\"");
+    if (volumes == nullptr)
+      volumes = &body_.add(std::make_unique<EnclosedVolumes>(body_.attributes(), body_.complex()));
+    volumes->add(selector_.boundary_faces(load.where), load.pressure, load.ramp, load.where.path);
+  }
 }
 
 void BuiltScene::add_contact(Diagnostics& diagnostics) {

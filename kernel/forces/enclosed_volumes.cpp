@@ -3,107 +3,84 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <type_traits>
+#include <unordered_set>
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/rows.hpp"
 
 namespace suture {
 namespace {
 
-using Nodes = std::array<Index, 4>;
-
-/// The boundary of a body, by closed surfaces: faces with a common edge belong to the same.
-class ClosedSurfaces {
- public:
-  explicit ClosedSurfaces(const CellComplex& complex) {
-    for (Index e = 0; e < complex.element_count(); ++e)
-      for (int f = 0; f < 6 && complex.exists(3, e); ++f)
-        if (const Dart face = 24 * e + 4 * static_cast<Dart>(f); is_open(complex, face))
-          faces_.push_back(face);
-    owner_.resize(faces_.size());
-    std::iota(owner_.begin(), owner_.end(), 0u);
-    struct Edge {
-      Index low, high, face;
-      auto operator<=>(const Edge&) const = default;
-    };
-    std::vector<Edge> edges;
-    for (Index i = 0; i < faces_.size(); ++i) {
-      const Nodes nodes = face_nodes(complex, faces_[i]);
-      for (std::size_t a = 0; a < 4; ++a)
-        edges.push_back(
-            {std::min(nodes[a], nodes[(a + 1) % 4]), std::max(nodes[a], nodes[(a + 1) % 4]), i});
-    }
-    std::ranges::sort(edges);
-    for (std::size_t i = 1; i < edges.size(); ++i)
-      if (edges[i].low == edges[i - 1].low && edges[i].high == edges[i - 1].high)
-        owner_[find(edges[i].face)] = find(edges[i - 1].face);
+/// The closed surfaces of the boundary to which open faces belong: faces with a common edge belong
+/// to the same.
+std::vector<std::vector<PressedFace>> surfaces_with(const CellComplex& complex,
+                                                    std::span<const Dart> faces) {
+  std::vector<std::vector<PressedFace>> surfaces;
+  std::unordered_set<Dart> seen;
+  for (const Dart first : faces) {
+    if (!is_open(complex, first) || !seen.insert(face_of(first)).second) continue;
+    std::vector<PressedFace> surface{{face_of(first)}};
+    for (std::size_t i = 0; i < surface.size(); ++i)
+      for (Dart k = 0; k < hexahedron::darts_per_face; ++k) {
+        const Dart next = face_of(across_edge(complex, surface[i].face + k));
+        if (seen.insert(next).second) surface.push_back({next});
+      }
+    surfaces.push_back(std::move(surface));
   }
-
-  /// The surfaces with some of these faces, by their first face.
-  std::vector<std::vector<PressedFace>> with(std::span<const Dart> some) {
-    std::vector<std::vector<PressedFace>> of(faces_.size());
-    for (const Dart face : some) {
-      const auto at = std::ranges::lower_bound(faces_, face_of(face));
-      if (at != faces_.end() && *at == face_of(face))
-        of[find(static_cast<Index>(at - faces_.begin()))].resize(1);
-    }
-    for (Index i = 0; i < faces_.size(); ++i)
-      if (auto& surface = of[find(i)]; !surface.empty()) surface.push_back({faces_[i]});
-    std::erase_if(of, [](const auto& surface) { return surface.empty(); });
-    for (auto& surface : of) surface.erase(surface.begin());  // the mark
-    return of;
-  }
-
- private:
-  Index find(Index i) {
-    while (owner_[i] != i) i = owner_[i] = owner_[owner_[i]];
-    return i;
-  }
-  std::vector<Dart> faces_;  ///< ascending
-  std::vector<Index> owner_;
-};
-
-PressedFace::Positions positions_of(const Nodes& nodes, Column& positions) {
-  PressedFace::Positions x;
-  for (std::size_t a = 0; a < 4; ++a) {
-    const double* const row = positions.rows() + std::size_t{nodes[a]} * 4;
-    x[a] = {row[0], row[1], row[2]};
-  }
-  return x;
+  return surfaces;
 }
 
-std::vector<Dart> darts_of(const std::vector<PressedFace>& faces) {
-  std::vector<Dart> darts;
-  for (const PressedFace& face : faces) darts.push_back(face.face);
-  return darts;
+PressedFace::Positions positions_of(const std::array<Index, 4>& nodes, Column& positions) {
+  PressedFace::Positions x;
+  for (std::size_t a = 0; a < 4; ++a) x[a] = row(positions.rows(), nodes[a]);
+  return x;
 }
 
 }  // namespace
 
-void EnclosedVolumes::add(std::span<const Dart> faces, double stiffness, const TimeRamp& ramp) {
-  std::size_t closed = 0;
-  for (auto& surface : ClosedSurfaces(complex_).with(faces)) {
-    closed += surface.size();
-    surfaces_.push_back({loads_.size(), std::move(surface)});
+void EnclosedVolumes::add(std::span<const Dart> faces, double stiffness, const TimeRamp& ramp,
+                          const std::string& path) {
+  std::size_t closed = 0, before = surfaces_.size();
+  for (auto& found : surfaces_with(complex_, faces)) {
+    closed += found.size();
+    Surface surface = measured(loads_.size(), std::move(found));
+    if (surface.rest != 0) surfaces_.push_back(std::move(surface));
   }
-  if (faces.empty() || closed != faces.size())
-    throw InputError("the faces of a \"volume\" must enclose it: " + std::to_string(faces.size()) +
-                     " are selected, and the closed surfaces to which they belong have " +
-                     std::to_string(closed) + "; select all nodes of these surfaces");
+  if (closed != faces.size())
+    throw InputError(path + ": the faces of a \"volume\" must enclose it, but only " +
+                     std::to_string(faces.size()) + " of the " + std::to_string(closed) +
+                     " faces of their closed surfaces are selected; select all nodes of these");
+  if (surfaces_.size() == before)
+    throw InputError(path + ": the faces are the lips of cracks, which enclose no volume; select " +
+                     "all nodes around a body or a cavity");
   loads_.push_back({stiffness, ramp});
-  build();
+  make_pressures();
 }
 
-/// Finds nodes and volumes at rest, and makes a pressure for each surface.
-void EnclosedVolumes::build() {
+/// V0 is 0 for the lips of a crack inside, but for rounding.
+EnclosedVolumes::Surface EnclosedVolumes::measured(std::size_t load,
+                                                   std::vector<PressedFace> faces) const {
+  Surface surface{load, std::move(faces)};
+  for (const PressedFace& face : surface.faces) surface.nodes.push_back(face.nodes(complex_));
+  Column& rest = attributes_.rest();
+  const Vec3 origin = row(rest.rows(), surface.nodes.front().front());
+  double size = 0;
+  for (const auto& nodes : surface.nodes)
+    for (const Vec3& x : positions_of(nodes, rest)) size = std::max(size, norm(minus(x, origin)));
+  surface.rest = volume_of(surface, rest);
+  if (std::abs(surface.rest) <= 1e-12 * size * size * size) surface.rest = 0;
+  return surface;
+}
+
+void EnclosedVolumes::make_pressures() {
   pressures_ = std::make_unique<Pressures>(attributes_);
-  for (Surface& surface : surfaces_) {
-    surface.nodes.clear();
-    for (const PressedFace& face : surface.faces) surface.nodes.push_back(face.nodes(complex_));
-    surface.rest = volume_of(surface, attributes_.rest());
-    pressures_->add(complex_, darts_of(surface.faces), 0, {});
+  std::vector<Dart> darts;
+  for (const Surface& surface : surfaces_) {
+    darts.clear();
+    for (const PressedFace& face : surface.faces) darts.push_back(face.face);
+    pressures_->add(complex_, darts, 0, {});
   }
 }
 
@@ -111,7 +88,7 @@ void EnclosedVolumes::build() {
 /// third degree in x.
 double EnclosedVolumes::volume_of(const Surface& surface, Column& positions) const {
   double sum = 0;
-  const Vec3 origin = positions_of(surface.nodes.front(), positions)[0];
+  const Vec3 origin = row(positions.rows(), surface.nodes.front().front());
   for (std::size_t i = 0; i < surface.faces.size(); ++i) {
     const PressedFace::Positions x = positions_of(surface.nodes[i], positions);
     const PressedFace::Positions f = surface.faces[i].forces(x, 1);
@@ -120,26 +97,20 @@ double EnclosedVolumes::volume_of(const Surface& surface, Column& positions) con
   return sum;
 }
 
+/// dp/dV = kappa / |V0|, Pa/m^3.
 double EnclosedVolumes::stiffness_of(const Surface& surface, double time) const {
   const Load& load = loads_[surface.load];
-  return load.stiffness * load.ramp.value(time);
+  return load.stiffness * load.ramp.value(time) / std::abs(surface.rest);
+}
+
+EnclosedVolumes::Booked EnclosedVolumes::state_of(const Surface& surface, double time) const {
+  const double volume = volume_of(surface, attributes_.position());
+  return {volume, stiffness_of(surface, time) * (volume - surface.rest)};
 }
 
 void EnclosedVolumes::set_pressures(double time) {
-  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
-    const Surface& surface = surfaces_[i];
-    const double more = volume_of(surface, attributes_.position()) - surface.rest;
-    pressures_->set(i, stiffness_of(surface, time) * more / std::abs(surface.rest));
-  }
-}
-
-double EnclosedVolumes::energy(double time) const {
-  double sum = 0;
-  for (const Surface& surface : surfaces_) {
-    const double more = volume_of(surface, attributes_.position()) - surface.rest;
-    sum += stiffness_of(surface, time) / std::abs(surface.rest) / 2 * more * more;
-  }
-  return sum;
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    pressures_->set(i, state_of(surfaces_[i], time).pressure);
 }
 
 void EnclosedVolumes::add_forces(double time, const LiveMask& live, double* rows) {
@@ -150,9 +121,11 @@ void EnclosedVolumes::add_forces(double time, const LiveMask& live, double* rows
 void EnclosedVolumes::add_forces_in_step(const StepTimes& step, const LiveMask& live,
                                          double* rows) {
   add_forces(step.time, live, rows);
-  const double energy = this->energy(step.time);
-  if (std::exchange(is_booked_, true)) work_ += last_energy_ - energy;
-  last_energy_ = energy;
+  const bool first = !std::exchange(is_booked_, true);
+  for (Surface& surface : surfaces_) {
+    const Booked now = state_of(surface, step.time), last = std::exchange(surface.booked, now);
+    if (!first) work_ -= (last.pressure + now.pressure) / 2 * (now.volume - last.volume);
+  }
 }
 
 void EnclosedVolumes::add_forces_at(const VertexSelection& selection,
@@ -170,7 +143,7 @@ void EnclosedVolumes::add_common(const Real* d, double dx, double time, Real* ou
   for (const Surface& surface : surfaces_) {
     const auto for_each_node = [&](const auto& visit) {
       for (std::size_t i = 0; i < surface.faces.size(); ++i) {
-        const Nodes& nodes = surface.nodes[i];
+        const auto& nodes = surface.nodes[i];
         const auto f = surface.faces[i].forces(positions_of(nodes, attributes_.position()), 1);
         for (std::size_t a = 0; a < 4; ++a) visit(nodes[a] * row, f[a]);
       }
@@ -179,7 +152,7 @@ void EnclosedVolumes::add_common(const Real* d, double dx, double time, Real* ou
     for_each_node([&](std::size_t at, const Vec3& f) {
       for (std::size_t c = 0; c < 3; ++c) change += f[c] * d[at + c];
     });
-    change *= -dx * stiffness_of(surface, time) / std::abs(surface.rest);
+    change *= -dx * stiffness_of(surface, time);
     for_each_node([&](std::size_t at, const Vec3& f) {
       for (std::size_t c = 0; c < 3; ++c) out[at + c] += static_cast<Real>(change * f[c]);
     });
@@ -216,42 +189,43 @@ void EnclosedVolumes::restart() {
 void EnclosedVolumes::follow(const CellComplex& complex, const TopologyChange& change) {
   const bool only_apart = change.faces_sewn == 0 && change.removed[3].empty();
   if (surfaces_.empty() || (only_apart && change.splits[0].empty())) return;
-  ClosedSurfaces closed(complex);
-  std::vector<Surface> next;
+  const std::vector<Surface> before = std::exchange(surfaces_, {});
   for (std::size_t load = 0; load < loads_.size(); ++load)
     for (const bool is_cavity : {false, true}) {
       std::vector<Dart> faces;
-      for (const Surface& surface : surfaces_)
-        if (surface.load == load && (surface.rest < 0) == is_cavity)
-          for (const Dart face : darts_of(surface.faces)) faces.push_back(face);
-      for (auto& surface : closed.with(faces)) {
-        next.push_back({load, std::move(surface)});
-        for (const PressedFace& face : next.back().faces)
-          next.back().nodes.push_back(face.nodes(complex));
-        if ((volume_of(next.back(), attributes_.rest()) < 0) != is_cavity) next.pop_back();
+      for (const Surface& surface : before)
+        if (surface.load == load && surface.is_cavity() == is_cavity)
+          for (const PressedFace& face : surface.faces) faces.push_back(face.face);
+      for (auto& found : surfaces_with(complex, faces)) {
+        Surface surface = measured(load, std::move(found));
+        if (surface.rest != 0 && surface.is_cavity() == is_cavity)
+          surfaces_.push_back(std::move(surface));
       }
     }
-  surfaces_ = std::move(next);
-  build();
+  make_pressures();
   forget_last();
 }
 
 void EnclosedVolumes::state(Archive& archive) {
+  const auto is_on_boundary = [&](const PressedFace& face) {
+    return element_of(face.face) < complex_.element_count() && face.exists(complex_);
+  };
   archive("work", work_);
-  archive("energy", last_energy_);
   archive("is booked", is_booked_);
-  if (!archive.has_cells()) return;
-  std::uint64_t count = surfaces_.size();
-  archive("surfaces", count);
-  if (archive.loads()) surfaces_.resize(static_cast<std::size_t>(count));
-  for (Surface& surface : surfaces_) {
-    std::uint64_t load = surface.load;
-    archive("load", load);
-    archive.require(load < loads_.size(), "a volume belongs to no load of the scene");
-    surface.load = static_cast<std::size_t>(load);
-    PressedFace::state(archive, surface.faces);
-  }
-  if (archive.loads()) build();
+  archive.each("surfaces", surfaces_, [&](Archive& each, Surface& surface) {
+    if (each.has_cells()) {
+      std::uint64_t load = surface.load;
+      each("load", load);
+      each.require(load < loads_.size(), "a volume belongs to no load of the scene");
+      PressedFace::state(each, surface.faces);
+      each.require(!surface.faces.empty() && std::ranges::all_of(surface.faces, is_on_boundary),
+                   "a volume has faces that are not on the boundary");
+      if (each.loads()) surface = measured(static_cast<std::size_t>(load), surface.faces);
+    }
+    each("volume", surface.booked.volume);
+    each("pressure", surface.booked.pressure);
+  });
+  if (archive.has_cells() && archive.loads()) make_pressures();
 }
 
 double EnclosedVolumes::last_change() const {

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "kernel/forces/pressures.hpp"
@@ -10,24 +11,28 @@
 namespace suture {
 
 /// Pressures that keep the volumes which boundary faces enclose, of a whole body or of a cavity:
-///   U = kappa |V0| / 2 (V / V0 - 1)^2,   p = kappa (V / V0 - 1), inward
+///   U = kappa / (2 |V0|) (V - V0)^2,   p = kappa (V - V0) / |V0|, inward
 /// V is the volume on the side of the elements: that of a body, and minus that of a cavity. Both
 /// are those of bilinear faces, exactly; V0 is that of the rest positions.
 ///
-/// Each closed surface is one volume. The lips of a cut join the surfaces that they touch, so each
-/// piece of a body that is cut keeps its own volume. A cavity that a cut opens has none any more.
-/// Preconditioners do not see the part of the tangent that joins all faces of a surface, which is
-/// one iteration per surface more.
+/// Each closed surface is one volume. The lips of a cut belong to the surfaces that they touch, so
+/// each piece of a body that is cut keeps its own volume. A cavity that a cut opens has none any
+/// more.
+///
+/// Every function takes O(faces). The tangent is symmetric, as the surfaces are closed. The part of
+/// it that joins all faces of a surface is missing from preconditioners: it has rank one.
 class EnclosedVolumes final : public ForceTerm,
                               public TangentTerm,
                               public CellTangentTerm,
                               public WorkTerm {
  public:
   EnclosedVolumes(Attributes& attributes, const CellComplex& complex)
-      : attributes_(attributes), complex_(complex), pressures_(new Pressures(attributes)) {}
+      : attributes_(attributes), complex_(complex) {}
 
-  /// `stiffness`: kappa, Pa. Throws InputError if the faces do not close.
-  void add(std::span<const Dart> faces, double stiffness, const TimeRamp& ramp);
+  /// `stiffness`: kappa, Pa. `path`: of the faces, for messages. Throws InputError if the faces do
+  /// not enclose a volume.
+  void add(std::span<const Dart> faces, double stiffness, const TimeRamp& ramp,
+           const std::string& path);
 
   const char* name() const override { return "volume"; }
   void add_forces(double time, const LiveMask& live, double* rows) override;
@@ -54,17 +59,23 @@ class EnclosedVolumes final : public ForceTerm,
     double stiffness;
     TimeRamp ramp;
   };
+  struct Booked {
+    double volume = 0, pressure = 0;
+  };
   struct Surface {
-    std::size_t load;
-    std::vector<PressedFace> faces;
+    std::size_t load = 0;
+    std::vector<PressedFace> faces{};
     std::vector<std::array<Index, 4>> nodes{};
     double rest = 0;  ///< V0, m^3
+    Booked booked{};  ///< at the last step
+    bool is_cavity() const { return rest < 0; }
   };
+  Surface measured(std::size_t load, std::vector<PressedFace> faces) const;
   double volume_of(const Surface& surface, Column& positions) const;
   double stiffness_of(const Surface& surface, double time) const;
+  Booked state_of(const Surface& surface, double time) const;
+  void make_pressures();
   void set_pressures(double time);
-  double energy(double time) const;
-  void build();
   template <class Real>
   void add_common(const Real* d, double dx, double time, Real* out) const;
 
@@ -73,7 +84,7 @@ class EnclosedVolumes final : public ForceTerm,
   std::vector<Load> loads_;
   std::vector<Surface> surfaces_;
   std::unique_ptr<Pressures> pressures_;  ///< a load for each surface
-  double work_ = 0, last_energy_ = 0;
+  double work_ = 0;
   bool is_booked_ = false;
 };
 

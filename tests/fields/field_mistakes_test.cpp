@@ -51,6 +51,9 @@ TEST(FieldMistakes, NameTheRangeOfTheField) {
   EXPECT_THAT(of_bar(R"({"field": "temperature", "move": [[0, 1], [1, -2]], "where": "all"})"),
               HasSubstr("/fields/0/move/1/1: must be >= 0 K"));
   EXPECT_EQ(of_bar(R"({"field": "temperature", "flux": -1, "where": {"set": "x0"}})"), "");
+}
+
+TEST(FieldMistakes, NameBothEndsOfTheRangeOfDamage) {
   for (const char* condition : {R"("start": -0.1)", R"("fix": 2)"})
     EXPECT_THAT(message([&] {
                   field_scene(R"("mesh": {"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "solver":

@@ -153,11 +153,12 @@ void go_on_alike(const BoxOptions& box, unsigned variant, unsigned threads, std:
   if (variant % 2 == 1) one.loop->sleep(whole);
   load_state(state_of(one), twin);
   ASSERT_EQ(difference_of_states(one, twin), "");
-  ASSERT_TRUE(same_bits(one.forces(), twin.forces()));
   for (int after = 0; after < 6; ++after) {
-    const Request request = operations.next(one.complex());
-    one.apply(request);
-    twin.apply(request);
+    if (after > 0) {  // first, the work goes on from what was loaded
+      const Request request = operations.next(one.complex());
+      one.apply(request);
+      twin.apply(request);
+    }
     const auto seed = static_cast<unsigned>(random());
     one.body.shake(0.02, seed);
     twin.body.shake(0.02, seed);

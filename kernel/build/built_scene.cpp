@@ -22,6 +22,7 @@
 #include "kernel/contact/multiplier_forces.hpp"
 #include "kernel/contact/penalty_forces.hpp"
 #include "kernel/forces/dead_loads.hpp"
+#include "kernel/forces/enclosed_volumes.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
 #include "kernel/geometry/centroid.hpp"
@@ -313,6 +314,25 @@ void BuiltScene::add_terms() {
     add_pressures(std::make_unique<SurfacePressures>(attributes), triangles);
   else
     add_pressures(std::make_unique<Pressures>(attributes), faces);
+  add_volumes();
+}
+
+void BuiltScene::add_volumes() {
+  EnclosedVolumes* volumes = nullptr;
+  for (const Load& load : scene_.loads) {
+    if (load.kind != Load::Kind::volume) continue;
+    if (is_embedded())
+      throw InputError(load.where.path +
+                       ": a \"volume\" needs whole faces of elements around it; choose a mesh, and "
+                       "cuts that do not divide elements");
+    if (scene_.solver.integrator == "xpbd")
+      throw InputError(load.where.path +
+                       ": \"xpbd\" knows stiffness of models only; choose another integrator for a "
+                       "\"volume\"");
+    if (volumes == nullptr)
+      volumes = &body_.add(std::make_unique<EnclosedVolumes>(body_.attributes(), body_.complex()));
+    volumes->add(selector_.boundary_faces(load.where), load.pressure, load.ramp, load.where.path);
+  }
 }
 
 void BuiltScene::add_contact(Diagnostics& diagnostics) {

@@ -82,6 +82,7 @@ class BuiltScene {
   std::vector<Index> graspable(const Grasp& grasp, double time);
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();
+  void add_volumes();
   std::string node_text(Index v);
   void add_contact(Diagnostics& diagnostics);
   void add_edges(Contact& contact);

@@ -47,13 +47,6 @@ BoundarySurface::BoundarySurface(const CellComplex& complex) {
   for (Index e = 0; e < complex.element_count(); ++e) update(complex, e);
 }
 
-Dart BoundarySurface::across(const CellComplex& complex, Dart dart) {
-  Dart other = CellComplex::beta2(dart);
-  for (Dart next = complex.beta3(other); next != none; next = complex.beta3(other))
-    other = CellComplex::beta2(next);
-  return other;
-}
-
 std::vector<Index> BoundarySurface::ascending_vertices() const {
   std::vector<Index> ascending;
   for (Index v = 0; v < uses_.size(); ++v)

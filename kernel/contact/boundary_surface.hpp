@@ -47,8 +47,6 @@ class BoundarySurface {
   /// The same in ascending order, in which their rows are fast to visit. O(highest vertex).
   std::vector<Index> ascending_vertices() const;
   bool has_vertex(Index vertex) const { return vertices_.contains(vertex); }
-  /// Every edge of the boundary is in two of its darts: the other one.
-  static Dart across(const CellComplex& complex, Dart dart);
 
   /// Call after an operation. O(change).
   void follow(const CellComplex& complex, const TopologyChange& change);

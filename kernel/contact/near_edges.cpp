@@ -6,6 +6,7 @@
 #include "kernel/base/rows.hpp"
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/contact/place_grid.hpp"
+#include "kernel/topology/seam.hpp"
 
 namespace suture {
 namespace {
@@ -59,7 +60,7 @@ std::vector<FeatureEdge> feature_edges(const CellComplex& complex, const Boundar
     const Vec3 area = area_of(corners, rest);
     for (Index i = 0; i < 4; ++i) {
       const Dart dart = 4 * surface.faces()[place] + 3 - i;
-      const Dart other = BoundarySurface::across(complex, dart);
+      const Dart other = across_edge(complex, dart);
       if (other < dart) continue;
       const Index face = surface.place(other / 4);
       const std::array<Index, 2> ends{corners[i], corners[(i + 1) % 4]};

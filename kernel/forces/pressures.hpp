@@ -46,6 +46,8 @@ class PressuresOn final : public ForceTerm,
   /// Pa, positive inward. Throws InputError for no faces.
   void add(const CellComplex& complex, std::span<const typename Face::Given> faces, double pressure,
            const TimeRamp& ramp);
+  /// Changes that of a load that was added.
+  void set(std::size_t load, double pressure) { loads_[load].pressure = pressure; }
 
   const char* name() const override { return "pressure"; }
   /// O(faces).

@@ -52,7 +52,7 @@ void read_constraint(ObjectReader& object, Reading& reading) {
 
 void read_load(ObjectReader& object, Reading& reading) {
   Load load;
-  static const std::array<std::string, 3> kinds{"force", "traction", "pressure"};
+  static const std::array<std::string, 4> kinds{"force", "traction", "pressure", "volume"};
   const auto kind = object.one_of(kinds);
   if (kind == 0u) load.value = object.vector("force", Limits::any("N")).value_or(Vec3{});
   if (kind == 1u) {
@@ -62,6 +62,10 @@ void read_load(ObjectReader& object, Reading& reading) {
   if (kind == 2u) {
     load.kind = Load::Kind::pressure;
     load.pressure = object.number("pressure", Limits::any("Pa")).value_or(0);
+  }
+  if (kind == 3u) {
+    load.kind = Load::Kind::volume;
+    load.pressure = object.number("volume", Limits::positive("Pa")).value_or(0);
   }
   load.ramp = optional_ramp(object);
   load.where = require_where(object, "the loaded nodes");

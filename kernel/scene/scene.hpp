@@ -73,8 +73,9 @@ struct Load {
   enum class Kind {
     force,
     traction,
-    pressure
-  };  ///< N in total, Pa, Pa (inward, follows the surface)
+    pressure,
+    volume
+  };  ///< N in total, Pa, Pa (inward, follows the surface), Pa per relative change of the volume
   Kind kind = Kind::force;
   Vec3 value{};
   double pressure = 0;

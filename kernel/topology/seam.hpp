@@ -10,6 +10,14 @@ inline bool is_open(const CellComplex& complex, Dart face) {
   return complex.exists(3, element_of(face)) && complex.beta3(face) == none;
 }
 
+/// Every edge of the boundary is in two of its darts: the other one.
+inline Dart across_edge(const CellComplex& complex, Dart dart) {
+  Dart other = CellComplex::beta2(dart);
+  for (Dart next = complex.beta3(other); next != none; next = complex.beta3(other))
+    other = CellComplex::beta2(next);
+  return other;
+}
+
 // The corners of two faces that are or will be one: corner k of the first and its partner.
 //
 //     k = 0        one         other

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "kernel/forces/dead_loads.hpp"
+#include "kernel/forces/enclosed_volumes.hpp"
 #include "kernel/forces/force_loop.hpp"
 #include "kernel/forces/pressures.hpp"
 #include "tests/attributes/fake_models.hpp"
@@ -62,6 +63,7 @@ struct Simulated {
   std::unique_ptr<ForceLoop> loop;
   std::unique_ptr<DeadLoads> loads;
   std::unique_ptr<Pressures> pressures;
+  std::unique_ptr<EnclosedVolumes> volumes;
   std::vector<double> force;
 
   Simulated(const BoxOptions& box, unsigned variant, unsigned threads) : body(box, true) {
@@ -78,6 +80,7 @@ struct Simulated {
     loop = std::make_unique<ForceLoop>(attributes(), complex(), threads);
     loads = std::make_unique<DeadLoads>(attributes());
     pressures = std::make_unique<Pressures>(attributes());
+    volumes = std::make_unique<EnclosedVolumes>(attributes(), complex());
     if (variant % 5 == 0) hold();
     add_loads();
   }
@@ -104,6 +107,7 @@ struct Simulated {
     loads->add_force(complex(), vertices, {1, 2, 3}, {});
     loads->add_traction(complex(), faces, {0.3, 0.2, 0.1}, {});
     pressures->add(complex(), faces, 7, {});
+    volumes->add(faces, 5, {}, "");
   }
   void apply(const Request& request) {
     const TopologyChange change = suture::apply(complex(), request);
@@ -126,8 +130,11 @@ struct Simulated {
     archive("loop", *loop);
     archive("loads", *loads);
     archive("pressures", *pressures);
+    archive("volumes", *volumes);
   }
-  std::array<ForceTerm*, 3> terms() { return {loop.get(), loads.get(), pressures.get()}; }
+  std::array<ForceTerm*, 4> terms() {
+    return {loop.get(), loads.get(), pressures.get(), volumes.get()};
+  }
 };
 
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
@@ -146,11 +153,12 @@ void go_on_alike(const BoxOptions& box, unsigned variant, unsigned threads, std:
   if (variant % 2 == 1) one.loop->sleep(whole);
   load_state(state_of(one), twin);
   ASSERT_EQ(difference_of_states(one, twin), "");
-  ASSERT_TRUE(same_bits(one.forces(), twin.forces()));
   for (int after = 0; after < 6; ++after) {
-    const Request request = operations.next(one.complex());
-    one.apply(request);
-    twin.apply(request);
+    if (after > 0) {  // first, the work goes on from what was loaded
+      const Request request = operations.next(one.complex());
+      one.apply(request);
+      twin.apply(request);
+    }
     const auto seed = static_cast<unsigned>(random());
     one.body.shake(0.02, seed);
     twin.body.shake(0.02, seed);

@@ -70,6 +70,7 @@ PARTS = [
                 {"every": 2, "remove_islands": {"below": 2}}]),
     ("constraints", [{"move": {"translation": [0.01, 0, 0]}, "ramp": 0.01, "where": {"set": "x1"}}]),
     ("loads", [{"pressure": 100, "ramp": 0.01, "where": {"set": "y1"}},
+               {"volume": 1e4, "where": "all"},
                {"force": [0, 1, 0], "where": {"nearest": [0, 0, 0]}}]),
     ("output", {"directory": "out", "every_steps": 3, "energies": {}, "tools": {}, "cuts": True,
                 "obstacles": True, "probes": {"at": [{"name": "p", "point": [0, 0, 0]}]}}),

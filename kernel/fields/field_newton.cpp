@@ -27,7 +27,7 @@ constexpr double newton_tolerance = 1e-10;
 /// A part of the products of which the residual is a sum.
 constexpr double rounding_of_sums = 1e-14;
 constexpr double krylov_tolerance = 1e-12;
-/// Of a constant on rates, beside the diagonal: less is rounding.
+/// What a constant changes in a rate, relative to the diagonal; less is rounding.
 constexpr double least_effect = 1e-10;
 /// With the diagonal alone: about as long as it takes to build the multigrid.
 constexpr unsigned simple_iterations = 40;

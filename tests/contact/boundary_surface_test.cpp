@@ -9,6 +9,7 @@
 #include <set>
 
 #include "kernel/mesh/box.hpp"
+#include "kernel/topology/seam.hpp"
 #include "tests/base/same_state.hpp"
 #include "tests/topology/operations.hpp"
 
@@ -58,10 +59,10 @@ void expect_edges_in_pairs(const CellComplex& complex, const BoundarySurface& su
   const std::set<Index> faces(surface.faces().begin(), surface.faces().end());
   for (const Index face : faces)
     for (Dart d = 4 * face; d < 4 * face + 4; ++d) {
-      const Dart other = BoundarySurface::across(complex, d);
+      const Dart other = across_edge(complex, d);
       ASSERT_TRUE(faces.contains(other / 4));
       ASSERT_NE(other, d);
-      EXPECT_EQ(BoundarySurface::across(complex, other), d);
+      EXPECT_EQ(across_edge(complex, other), d);
       EXPECT_EQ(complex.origin(other), complex.origin(CellComplex::beta1(d)))
           << "the two faces run along their edge in opposite directions";
     }

@@ -79,17 +79,17 @@ class Volumes {
 
 TEST(EnclosedVolumes, AreABulkModulusOfTheWholeBody) {
   // Pulled along x: tr sigma = 3 (K + kappa) e = t, and the shear modulus is E / 2.
-  constexpr double t = 0.01, young = 1000;
+  constexpr double t = 0.01, modulus = 1000;
   FieldRun run(solid(block, everywhere + R"(, {"traction": [0.01, 0, 0], "where": {"set": "x1"}})",
                      R"("constraints": [{"fix": "x", "where": {"set": "x0"}}, {"fix": "y", "where":
       {"set": "y0"}}, {"fix": "z", "where": {"set": "z0"}}])"));
   run.run_to(1);
-  const double e = t / (3 * (young / 3 + kappa));
+  const double e = t / (3 * (modulus / 3 + kappa));
   Selection corner;
   corner.what = Selection::Nearest{Vec3{1, 1, 1}};
   const auto u = run.simulation.mean_displacement(corner);
-  EXPECT_NEAR(u[0] / (e / 3 + 2 * t / (3 * young)), 1, 1e-4);
-  EXPECT_NEAR(u[1] / (e / 3 - t / (3 * young)), 1, 1e-4);
+  EXPECT_NEAR(u[0] / (e / 3 + 2 * t / (3 * modulus)), 1, 1e-4);
+  EXPECT_NEAR(u[1] / (e / 3 - t / (3 * modulus)), 1, 1e-4);
 }
 
 TEST(EnclosedVolumes, HaveTheDerivativeOfTheirForces) {

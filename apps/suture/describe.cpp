@@ -5,6 +5,7 @@
 #include "apps/suture/commands.hpp"
 #include "kernel/plugin_host/output_fields.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
+#include "kernel/plugin_host/table_check.hpp"
 
 namespace suture {
 namespace {
@@ -79,7 +80,7 @@ void print_attributes(const suture_model& model, Console& console) {
     console.print("  " + with_unit(attribute.name, attribute.unit) + " on " +
                   cells[attribute.dimension] + ": " + attribute.doc);
     console.print(std::string("      when its cell splits: ") + policies[attribute.policy]);
-    if (attribute.minimum == 0 && attribute.maximum == 0) continue;
+    if (!has_range(attribute)) continue;
     suture_parameter limits{};
     limits.minimum = attribute.minimum;
     limits.maximum = attribute.maximum;

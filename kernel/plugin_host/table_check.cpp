@@ -175,7 +175,7 @@ void check_of_field(const Entry& entry, const suture_model& m, std::uint32_t pla
 
 /// The values that a scene may give; both 0: any.
 void check_range(const Entry& entry, const suture_attribute& a) {
-  if (a.minimum == 0 && a.maximum == 0) return;
+  if (!has_range(a)) return;
   if (!entry.require((a.flags & SUTURE_FIELD) != 0, "has a range without SUTURE_FIELD")) return;
   entry.require(a.minimum < a.maximum, "its minimum is not below its maximum");
   entry.require(!(a.initial < a.minimum || a.initial > a.maximum),

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "kernel/base/escape.hpp"
+#include "kernel/plugin_host/table_check.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture::scene_parts {
@@ -36,7 +37,7 @@ std::vector<DeclaredField> declared_fields(const Scene& scene) {
       auto field = std::ranges::find(fields, a.name, &DeclaredField::name);
       if (field == fields.end())
         field = fields.insert(field, {a.name, a.components, Limits::any(a.unit)});
-      if (a.minimum == 0 && a.maximum == 0) continue;
+      if (!has_range(a)) continue;
       field->limits.minimum = std::max(field->limits.minimum, a.minimum);
       field->limits.maximum = std::min(field->limits.maximum, a.maximum);
     }

@@ -1,11 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <cstdlib>
 #include <optional>
+#include <random>
 #include <string>
 
 namespace suture::test {
+
+/// The value of an environment variable, or "".
+inline std::string value_of_variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+/// The seed that it gives, or a random one.
+inline std::uint64_t seed_of_variable(const char* name) {
+  const std::string given = value_of_variable(name);
+  return given.empty() ? std::random_device()() : std::stoull(given);
+}
 
 /// Sets an environment variable, and restores it in the end: other cases run in the same process.
 class Variable {

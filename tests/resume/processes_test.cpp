@@ -11,10 +11,10 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <iostream>
 #include <random>
 
+#include "tests/base/variable.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/resume/process.hpp"
 
@@ -23,10 +23,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string variable(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? value : "";
+std::uint64_t scenes_seed() {
+  static const std::uint64_t chosen = seed_of_variable("SUTURE_PROCESSES_SEED");
+  return chosen;
 }
+
+bool is_full() { return !value_of_variable("SUTURE_FULL").empty(); }
 
 /// Also for root, and for more processes than cores.
 std::vector<std::string> launcher(unsigned processes) {
@@ -52,12 +54,10 @@ class Together : public ::testing::Test {
 };
 
 TEST_F(Together, TheyLeaveTheBytesOfOne) {
-  const std::string given = variable("SUTURE_PROCESSES_SEED"),
-                    only = variable("SUTURE_PROCESSES_CASE");
-  const std::uint64_t seed = given.empty() ? std::random_device()() : std::stoull(given);
-  const bool full = !variable("SUTURE_FULL").empty() || !only.empty();
+  const std::string only = value_of_variable("SUTURE_PROCESSES_CASE");
+  const bool full = is_full() || !only.empty();
   std::vector<Kind> kinds = all_kinds();
-  std::mt19937_64 order(seed);
+  std::mt19937_64 order(scenes_seed());
   if (!full) std::ranges::shuffle(kinds, order);
   const auto start = std::chrono::steady_clock::now();
   unsigned shared = 0, refused = 0;
@@ -65,10 +65,10 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
     for (const Kind& kind : kinds) {
       const auto spent = std::chrono::steady_clock::now() - start;
       if (!full && shared > 0 && spent > std::chrono::seconds(30)) break;
-      Random random(seed, kind.name, index);
-      const Case what = kind.make(random, index, seed);
+      Random random(scenes_seed(), kind.name, index);
+      const Case what = kind.make(random, index, scenes_seed());
       if (!only.empty() && what.name != only) continue;
-      SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(seed));
+      SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(scenes_seed()));
       const fs::path at = folder_ / what.name;
       write_case(what, at);
       const Ran alone = run_here(what, at, at / "alone", {});
@@ -106,8 +106,6 @@ Case cut_beam() {
 }
 
 TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
-  const std::string given = variable("SUTURE_PROCESSES_SEED");
-  const std::uint64_t seed = given.empty() ? std::random_device()() : std::stoull(given);
   Case what = cut_beam();
   what.scene["solver"]["end"] = 0.5;
   what.scene["checkpoint"] = {{"every_steps", 50}, {"keep", 3}};
@@ -116,9 +114,9 @@ TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
   run_here(what, at, at / "alone", {});
   const std::string scene = (at / "scene.json").string();
   const std::vector<unsigned> numbers{1, 2, 3, 4, 7};
-  for (unsigned i = 0; i < (variable("SUTURE_FULL").empty() ? 1 : 20); ++i) {
-    SCOPED_TRACE(std::to_string(i) + ", SUTURE_PROCESSES_SEED=" + std::to_string(seed));
-    Random random(seed, "kill", i);
+  for (unsigned i = 0; i < (is_full() ? 20 : 1); ++i) {
+    SCOPED_TRACE(std::to_string(i) + ", SUTURE_PROCESSES_SEED=" + std::to_string(scenes_seed()));
+    Random random(scenes_seed(), "kill", i);
     const fs::path there = at / ("shared-" + std::to_string(i)), out = there / "out";
     fs::create_directories(there);
     Child first(there, {"run", scene}, launcher(random.pick(numbers)));

@@ -9,14 +9,13 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
-#include <random>
 
 #include "kernel/base/error.hpp"
 #include "kernel/output/checkpoint_file.hpp"
 #include "tests/base/sanitizer.hpp"
+#include "tests/base/variable.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/resume/process.hpp"
 
@@ -31,16 +30,8 @@ constexpr bool is_slow = !sanitizer.empty();
 constexpr bool is_slow = true;
 #endif
 
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? value : "";
-}
-
 std::uint64_t seed() {
-  static const std::uint64_t chosen = [] {
-    const std::string given = environment("SUTURE_RESUME_SEED");
-    return given.empty() ? std::random_device()() : std::stoull(given);
-  }();
+  static const std::uint64_t chosen = seed_of_variable("SUTURE_RESUME_SEED");
   return chosen;
 }
 
@@ -231,10 +222,10 @@ INSTANTIATE_TEST_SUITE_P(Kind, Resume, ::testing::Range(0u, unsigned(kinds().siz
 TEST_P(Resume, LeavesTheBytesOfARunThatWasNotStopped) {
   const Kind& kind = kinds()[GetParam()];
   std::cout << "seed " << seed() << '\n';
-  const bool full = !is_slow && !environment("SUTURE_FULL").empty();
-  const std::string only = environment("SUTURE_RESUME_CASE"),
-                    out = environment("SUTURE_RESUME_OUT");
-  const bool drawn = !environment("SUTURE_RESUME_SEED").empty() || seed() % 2 == 0;
+  const bool full = !is_slow && !value_of_variable("SUTURE_FULL").empty();
+  const std::string only = value_of_variable("SUTURE_RESUME_CASE"),
+                    out = value_of_variable("SUTURE_RESUME_OUT");
+  const bool drawn = !value_of_variable("SUTURE_RESUME_SEED").empty() || seed() % 2 == 0;
   if (!full && only.empty() && !drawn) {
     std::cout << kind.name << " is not drawn this time\n";
     return;

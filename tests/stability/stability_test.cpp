@@ -12,7 +12,6 @@
 //   SUTURE_STABILITY_ALL=1        the scenes of all
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -20,6 +19,7 @@
 
 #include "kernel/base/error.hpp"
 #include "tests/base/sanitizer.hpp"
+#include "tests/base/variable.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/stability/known_limits.hpp"
 #include "tests/stability/runner.hpp"
@@ -36,15 +36,10 @@ constexpr unsigned sample = sanitizer.empty() ? 32 : 64;
 #endif
 constexpr unsigned compared = 4;  ///< each of so many is compared with a smaller step
 
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? value : "";
-}
-
 bool is_chosen(const Family& family, unsigned number, unsigned index) {
-  if (const std::string only = environment("SUTURE_STABILITY_CASE"); !only.empty())
+  if (const std::string only = value_of_variable("SUTURE_STABILITY_CASE"); !only.empty())
     return only == trial_name(family, index);
-  if (!is_slow && !environment("SUTURE_FULL").empty()) return true;
+  if (!is_slow && !value_of_variable("SUTURE_FULL").empty()) return true;
   if (family.is_stress()) return !family.is_long && (index + number) % (4 * sample) == 0;
   return index % sample == family.name.size() % sample;
 }
@@ -58,7 +53,7 @@ std::string csv_text(std::string text) {
 
 class Report {
  public:
-  explicit Report(const std::string& family) : folder_(environment("SUTURE_STABILITY_OUT")) {
+  explicit Report(const std::string& family) : folder_(value_of_variable("SUTURE_STABILITY_OUT")) {
     if (folder_.empty()) return;
     std::filesystem::create_directories(folder_);
     csv_.open(folder_ / (family + ".csv"));
@@ -76,7 +71,7 @@ class Report {
          << result.seconds << ',' << trial.model << ',' << trial.solver << ','
          << csv_text(trial.law) << ',' << csv_text(trial.title) << ',' << csv_text(result.reason)
          << ',' << csv_text(messages) << std::endl;
-    if (!is_good(result.verdict) || !environment("SUTURE_STABILITY_ALL").empty()) save(trial);
+    if (!is_good(result.verdict) || !value_of_variable("SUTURE_STABILITY_ALL").empty()) save(trial);
   }
 
  private:
@@ -103,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Family, Stability, testing::Range(0u, unsigned(families
 
 TEST_P(Stability, SaysWhatIsTrue) {
   const Family& family = families()[GetParam()];
-  const std::string given = environment("SUTURE_STABILITY_SEED");
+  const std::string given = value_of_variable("SUTURE_STABILITY_SEED");
   const std::uint64_t seed = given.empty() ? 1 : std::stoull(given);
   std::cout << "seed " << seed << '\n';
   std::map<std::string, unsigned> counts;

@@ -252,7 +252,7 @@ void FieldEquation::keep_contents(const OpenGroups& groups) {
   });
 }
 
-// --------------------------------------------------------------------------
+// --------------------------------------------------------- what was solved --
 
 double FieldEquation::relative_change() const {
   Contents change{}, largest{};

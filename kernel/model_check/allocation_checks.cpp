@@ -19,14 +19,13 @@ thread_local std::uint64_t allocation_count = 0;
 #endif
 #endif
 #ifndef SUTURE_COUNTS_NO_ALLOCATIONS
-void* operator new(std::size_t size) {
-  ++allocation_count;
-  if (void* const memory = std::malloc(size > 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++allocation_count;
   return std::malloc(size > 0 ? size : 1);
+}
+void* operator new(std::size_t size) {
+  if (void* const memory = operator new(size, std::nothrow)) return memory;
+  throw std::bad_alloc();
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }

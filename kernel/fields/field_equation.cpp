@@ -193,12 +193,19 @@ std::string FieldEquation::name(std::size_t component) const {
 
 std::string FieldEquation::balance_text(double time) {
   const std::string unit = ' ' + unit_of_content();
+  bool has_capacity = false;
+  for_each_value([&](Index v, std::size_t, std::size_t) { has_capacity |= capacity(v) > 0; });
   std::ostringstream text;
   for (std::size_t c = 0; c < components_; ++c) {
     const FieldBalance b = balance(c);
-    text << (c == 0 ? "" : "; ") << name(c) << ": content " << b.content << unit
-         << "; since the start, " << b.inflow << unit << " came in, models produced " << b.produced
-         << unit << ", and " << b.changed << unit
+    text << (c == 0 ? "" : "; ") << name(c) << ": ";
+    if (!has_capacity) {
+      text << "no capacity, so it contains nothing";
+      if (b.inflow != 0) text << "; since the start, " << b.inflow << unit << " came in";
+      continue;
+    }
+    text << "content " << b.content << unit << "; since the start, " << b.inflow << unit
+         << " came in, models produced " << b.produced << unit << ", and " << b.changed << unit
          << " are due to operations and jumps to equilibria";
   }
   if (iterations_.all != 0)

@@ -77,6 +77,7 @@ TEST(Cracks, CostTheirToughnessAndFadeAsAParabola) {
       {"static": {"frames": 1}})"));
   run.run_to(1);
   EXPECT_NEAR(run.energy().stored / (toughness * area), 1, 0.01);
+  EXPECT_EQ(run.equation().balance_text(1).find("damage: no capacity"), 0u);
   EXPECT_LT(run.error([](double x) {
     const double rest = std::max(0.0, 1 - std::abs(x - 0.5) / (2 * length));
     return rest * rest;

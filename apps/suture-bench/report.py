@@ -88,8 +88,9 @@ def plot_scaling(tables, docs):
 
 def plot_step(tables, docs):
     for name, table in tables.items():
-        plt.semilogx(column(table, "elements"), column(table, "step/force"), "o-", markersize=3,
-                     label=name)
+        if "step/force" in table["rows"][0]:
+            plt.semilogx(column(table, "elements"), column(table, "step/force"), "o-",
+                         markersize=3, label=name)
     plt.xlabel("elements")
     plt.ylabel("a whole step over its forces")
     plt.legend()

@@ -53,6 +53,36 @@ void measure_model(const std::string& model, Index size, const StepOptions& opti
                  .add("inversion ns/el", ns * inversions));
 }
 
+/// A phase field that moves with its law, beside a law alone. Its viscosity is such that it has one
+/// step in each of the motion. Steps of both alternate.
+void measure_fields(double element, Index size, const StepOptions& options, PluginHost& host,
+                    Report& report) {
+  const auto body = [&](const char* model, std::map<std::string, double> parameters) {
+    parameters["K"] = 3.3e5;
+    parameters["element"] = element;
+    return BenchBody(host, {.model = model,
+                            .parameters = parameters,
+                            .cells = grid_of(size),
+                            .threads = options.threads});
+  };
+  BenchBody alone = body("mooney-rivlin", {{"C10", 5e4}, {"C01", 2.7e4}});
+  BenchBody coupled =
+      body("gradient-damage", {{"mu", 1.54e5}, {"Gc", 1e4}, {"l", 0.05}, {"eta", 1e4}});
+  double law = 1e9, both = 1e9;
+  for (int round = 0; round < 5; ++round) {
+    const double part = options.seconds / 5;
+    law = std::min(law, measure([&] { alone.step(); }, options.threads, part).median);
+    both = std::min(both, measure([&] { coupled.step(); }, options.threads, part).median);
+  }
+  const double millions = 1e-6 * alone.element_count();
+  report.add(Line()
+                 .add("element", std::string(element == 0 ? "trilinear" : "mean gradient"))
+                 .add("elements", 1e6 * millions)
+                 .add("law M el/s", millions / law)
+                 .add("with field M el/s", millions / both)
+                 .add("speed", law / both));
+}
+
 void run_step(const StepOptions& options, Report& report) {
   PluginHost host;
   for (const std::string& model : options.models) {
@@ -61,6 +91,13 @@ void run_step(const StepOptions& options, Report& report) {
                                       " thread(s); checks are not part of every step");
     for (const Index size : options.sizes) measure_model(model, size, options, host, report);
   }
+  report.begin("step: fields",
+               "gradient-damage, which has a field, beside mooney-rivlin, best of 5 "
+               "medians, " +
+                   std::to_string(options.threads) + " thread(s)");
+  for (const double element : {0, 1})
+    for (const Index size : options.sizes)
+      if (size <= 432000) measure_fields(element, size, options, host, report);
 }
 
 }  // namespace

@@ -140,7 +140,7 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
       scene_.solver.integrator,
       scene_.solver.damping,
       {scene_.solver.step_tolerance, stops_on_inversion(), scene_.solver.hold_free_pieces,
-       scene_.solver.follow_path, scene_.solver.budget}};
+       scene_.solver.follow_path, scene_.solver.budget, scene_.solver.compensate}};
   dynamics_ = std::make_unique<Dynamics>(body_, options);
   limits_ = std::make_unique<StepLimits>(body_);
   add_constraints();

@@ -49,8 +49,9 @@ class Dynamics : private Follower {
   /// Makes what a first step of this length would have to make before it can begin.
   void prepare(double dt) { integrator_->prepare(dt); }
   bool is_solved() const { return integrator_->is_solved(); }  ///< Integrator::is_solved()
-  /// Integrator::softness() and step_of_softness().
+  /// Integrator::softness(), compensates() and step_of_softness().
   double softness() const { return integrator_->softness(); }
+  bool compensates() const { return integrator_->compensates(); }
   double step_of_softness(double softness) { return integrator_->step_of_softness(softness); }
   /// The solver of an implicit scheme, or nullptr.
   Newton* newton() { return integrator_->newton(); }

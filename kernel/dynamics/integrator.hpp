@@ -58,6 +58,8 @@ class Integrator {
   /// The part of the stiffness that steps leave out, the mean of all so far; 0 of schemes whose
   /// stiffness does not depend on the step.
   virtual double softness() const { return 0; }
+  /// Whether steps make up for what they would leave out, so that softness() is the rest of it.
+  virtual bool compensates() const { return false; }
   /// The step at which it is about this in smooth deformations from the current state, s.
   virtual double step_of_softness(double /*softness*/) { return 0; }
   /// True if nothing has a velocity: steps are equilibria.
@@ -93,6 +95,7 @@ struct IntegratorOptions {
   bool holds_free_pieces = false;      ///< static equilibria: by inertia relief
   bool follows_path = false;           ///< static equilibria: through limit points (ArcLength)
   std::optional<StepBudget> budget{};  ///< implicit Euler: steps are not solved, but on time
+  bool compensates = false;            ///< xpbd: cells are stiffer by what steps leave out
 };
 
 /// Creates an integrator by its name in scenes, for example "symplectic-euler". Throws InputError

@@ -18,11 +18,11 @@ namespace {
 ///   x' = x*, and then moved cell by cell (force_loop_project.cpp)
 ///   v' = (x' - x) / h,   contact moves x' and v',   v' = exp(-alpha h) v'
 /// f_ext: of all terms but the models, at the end of the step. Any step is bounded, but soft: it
-/// leaves out a part h^2 w / 2 of the stiffness. What the kinetic energy lacks after a step is
-/// booked as dissipated.
+/// leaves out a part h^2 w / 2 of the stiffness, unless cells compensate. What the kinetic energy
+/// lacks after a step is booked as dissipated.
 class Xpbd final : public Integrator {
  public:
-  explicit Xpbd(Motion& motion) : Integrator(motion) {
+  Xpbd(Motion& motion, bool compensates) : Integrator(motion), compensates_(compensates) {
     const std::string without = body().models().without_projection();
     if (!without.empty())
       throw InputError("the integrator 'xpbd' moves nodes by the energies of models, and " +
@@ -38,8 +38,9 @@ class Xpbd final : public Integrator {
     dt_ = dt;
     const double end = motion_.time() + dt;
     predict(end);
-    const ForceLoop::Softness step = body().models().project(
-        {end, dt, inverse_mass().data(), body().attributes().velocity().rows()});
+    const ForceLoop::Softness step =
+        body().models().project({end, dt, inverse_mass().data(),
+                                 body().attributes().velocity().rows(), true, compensates_});
     softness_.energy += step.energy;
     softness_.missing += step.missing;
   }
@@ -67,6 +68,8 @@ class Xpbd final : public Integrator {
   double softness() const override {
     return softness_.energy > 0 ? softness_.missing / softness_.energy : 0;
   }
+
+  bool compensates() const override { return compensates_; }
 
   /// By w in a uniform deformation: at rest there is no energy, and at random all is stiff.
   double step_of_softness(double softness) override {
@@ -187,6 +190,7 @@ class Xpbd final : public Integrator {
     return inverse_mass_;
   }
 
+  bool compensates_;
   double dt_ = 0;
   StepWork start_;
   ForceLoop::Softness softness_;        ///< of all steps
@@ -198,8 +202,8 @@ class Xpbd final : public Integrator {
 
 }  // namespace
 
-std::unique_ptr<Integrator> make_xpbd(Motion& motion, const IntegratorOptions&) {
-  return std::make_unique<Xpbd>(motion);
+std::unique_ptr<Integrator> make_xpbd(Motion& motion, const IntegratorOptions& options) {
+  return std::make_unique<Xpbd>(motion, options.compensates);
 }
 
 }  // namespace suture

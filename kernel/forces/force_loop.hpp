@@ -88,6 +88,7 @@ class ForceLoop final : public ForceTerm,
     const double* inverse_mass{};  ///< rows of 4, 1/kg; 0 at components that are held
     double* velocity{};            ///< rows of 4, which change as the positions do; null: none
     bool moves = true;             ///< false: only finds the softness
+    bool compensates = false;      ///< makes up for the softness where it can
   };
   /// Sums over the cells, J: their energy U, and what the pass leaves out of it.
   struct Softness {

@@ -24,6 +24,10 @@
 // misses about -h^2 w / 2: the pass keeps 1 / (1 + h^2 w / 2) of the stiffness. What it leaves out
 // falls with h^2.
 //
+// A pass may compensate: with the compliance max(1 - h^2 w / 2, 0) in place of 1, such cells keep
+// the stiffness 1, as long as h^2 w < 2. A cell never moves beyond C = 0, so steps stay bounded.
+// One cell alone, which misses nothing, is then too stiff.
+//
 // Forces that read velocities are the sum of f(x, 0), which the energy gives, and a viscous part
 //   g = f(x, v) - f(x, 0),   v = (x' - x) / h as the cells before have left it
 // that dissipates the power -g . v. It is the next constraint of the same cells, with the energy
@@ -100,9 +104,12 @@ ForceLoop::Softness move_nodes(const ForceLoop::Projection& step, const loops::J
     double w = 0;
     for_each_component(
         [&](std::size_t row, double f) { w += f * f * step.inverse_mass[row] / (2 * energy[l]); });
-    const double softness = square * w, factor = square / (1 + softness);
+    const double softness = square * w, half = softness / 2;
+    const double left_out = step.compensates ? std::max(half - 1, 0.0) : half;
+    const double compliance = step.compensates ? std::max(1 - half, 0.0) : 1;
+    const double factor = square / (compliance + softness);
     sum.energy += energy[l];
-    sum.missing += softness / (2 + softness) * energy[l];
+    sum.missing += left_out / (1 + left_out) * energy[l];
     if (!step.moves) continue;
     for_each_component([&](std::size_t row, double f) {
       const double way = factor * step.inverse_mass[row] * f;
@@ -134,6 +141,8 @@ alignas(64) constexpr double at_rest[8 * 3 * lanes] = {};
 suture_status project_viscosity(const ForceLoop::Projection& step, const loops::Job& job,
                                 const loops::Worker& worker, suture_batch& batch,
                                 const loops::BatchRows& rows, double* position) {
+  ForceLoop::Projection viscous_step = step;
+  viscous_step.compensates = false;
   const std::size_t numbers = std::size_t{job.node_count} * 3 * lanes;
   const double* const velocity = batch.velocity;
   batch.force = worker.results_end - numbers;
@@ -151,7 +160,7 @@ suture_status project_viscosity(const ForceLoop::Projection& step, const loops::
   }
   batch.force = viscous.data();
   if (!are_finite(batch, energy, *worker.context->error)) return SUTURE_RETRY;
-  move_nodes(step, job, rows, batch.force, energy, position);
+  move_nodes(viscous_step, job, rows, batch.force, energy, position);
   return status;
 }
 

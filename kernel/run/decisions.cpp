@@ -153,6 +153,8 @@ void decide_integrator(const Scene& scene, BuiltScene& built, std::vector<Decisi
              ? scene.solver.integrator + ", implicit: Newton's method in every step"
          : built.dynamics().newton()
              ? scene.solver.integrator + ", implicit: one linearised step within its budget"
+         : built.dynamics().compensates()
+             ? "position based, one pass over cells that are stiffer by what it leaves out"
              : "position based, one pass over the cells in every step"});
     return;
   }

@@ -43,8 +43,15 @@ std::vector<std::string> notes_on_steps(Dynamics& dynamics) {
   std::vector<std::string> notes;
   const Newton* newton = dynamics.newton();
   if (newton && !newton->budget_text().empty()) notes.push_back(newton->budget_text());
-  if (const double softness = dynamics.softness(); softness > 0) {
-    std::ostringstream text;
+  const double softness = dynamics.softness();
+  std::ostringstream text;
+  if (dynamics.compensates()) {
+    text << "cells were stiffer by what steps would have left out of the stiffness; of it, about "
+         << std::setprecision(3) << 100 * softness << " % is still missing";
+    if (softness == 0) text << ", but for the error of this estimate";
+    text << "; compare with half of dt";
+    notes.push_back(text.str());
+  } else if (softness > 0) {
     text << "the stiffness depends on the step: steps left out about " << std::setprecision(3)
          << 100 * softness << " % of it";
     if (softness < estimable)

@@ -26,7 +26,7 @@ void read_static(ObjectReader& object, const Scene& scene, SolverOptions& solver
   const JsonValue* value = object.find(statics);
   if (value == nullptr) return;
   for (const char* key : {"integrator", "dt", "step_error", "safety", "until", "kick", "damping",
-                          "sleep", "tolerance", "budget", "softness"})
+                          "sleep", "tolerance", "budget", "softness", "compensate"})
     if (object.find(key) != nullptr)
       object.complain(key, "cannot be combined with \"static\"; remove one of them");
   ObjectReader reader(*value, object.path_of(statics), object.mistakes());
@@ -91,6 +91,13 @@ void read_softness(ObjectReader& object, SolverOptions& solver) {
                     solver.integrator == xpbd
                         ? "is only used with \"dt\": \"auto\"; remove it or the fixed dt"
                         : "is only used by \"xpbd\"; remove it, or choose that");
+}
+
+/// Cells of position based dynamics that are stiffer by what their steps leave out.
+void read_compensate(ObjectReader& object, SolverOptions& solver) {
+  solver.compensate = object.boolean("compensate").value_or(false);
+  if (object.find("compensate") != nullptr && solver.integrator != xpbd)
+    object.complain("compensate", "is only used by \"xpbd\"; remove it, or choose that");
 }
 
 /// "budget": a step of implicit Euler that is on time instead of solved.
@@ -204,6 +211,7 @@ void read_solver(const JsonValue& value, Reading& reading) {
   } else {
     read_step(object, solver);
     read_softness(object, solver);
+    read_compensate(object, solver);
     read_budget(object, solver);
     read_end(object, solver);
     read_damping(object, solver);

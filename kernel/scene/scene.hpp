@@ -106,6 +106,7 @@ struct SolverOptions {
   double tolerance = 1e-6;           ///< of the residual, for rest
   double step_tolerance = 1e-8;      ///< of the equations of a step, for implicit integrators
   std::optional<double> softness;    ///< of "xpbd", for "auto"
+  bool compensate = false;           ///< "xpbd": cells are stiffer by what steps leave out
   std::optional<StepBudget> budget;  ///< of a step, for implicit Euler
   bool hold_free_pieces = false;     ///< static equilibria: by inertia relief; false: refuse them
   bool follow_path = false;          ///< static equilibria: through limit points

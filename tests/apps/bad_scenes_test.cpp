@@ -148,6 +148,7 @@ TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
       {"/solver={\"integrator\": \"xpbd\", \"dt\": 0.001, \"end\": 1, \"softness\": 0.1}", 3,
        "is only used with \"dt\": \"auto\""},
       {"/solver={\"end\": 1, \"softness\": 0.1}", 3, "is only used by \"xpbd\""},
+      {"/solver={\"end\": 1, \"compensate\": true}", 3, "is only used by \"xpbd\""},
       {"/solver={\"static\": {}, \"dt\": 0.1}", 3, "cannot be combined with"},
       {"/solver={\"static\": {\"frames\": 0}}", 3, "/solver/static/frames"},
       {"/solver={\"static\": {\"steps\": 3}}", 3, "unknown key"},

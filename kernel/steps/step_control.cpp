@@ -418,6 +418,10 @@ std::string StepControl::advice(const NumericalError& error) const {
   if (built_.dynamics().is_static())
     return "Reduce the loads or motions, refine the mesh there, or choose another law: some have "
            "no equilibrium beyond a limit (St Venant-Kirchhoff softens below a stretch of 0.58)";
+  if (!built_.dynamics().is_whole() && kept_.empty())
+    return "The end of a step was refused right after an operation, which cannot be undone, so no "
+           "smaller step was tried: reduce " +
+           std::string(step_setting());
   std::ostringstream text;
   if (dynamic_cast<const InaccurateStep*>(&error) != nullptr)
     return "Ramp loads and motions that begin suddenly there, check the parameters of the model, "

@@ -6,6 +6,10 @@
 
 namespace suture {
 
+/// Starts this command again as several processes, by the launcher of MPI, which replaces this one.
+/// Throws InputError if there is none.
+void start_processes(unsigned number);
+
 /// Joins the other processes that a launcher of MPI has started; null if there are none. All but
 /// process 0 show nothing from now on.
 Communicator* enter_processes(Console& console);

@@ -148,6 +148,7 @@ void Attributes::parameters(Archive& archive, const CellComplex& complex) {
 }
 
 void Attributes::state(Archive& archive) {
+  complete_rows();
   if (archive.has_cells()) {
     const bool opens_lips =  // when it is built
         std::ranges::any_of(instances_, [](const auto& i) { return !i->lips.empty(); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -23,6 +24,16 @@ class Communicator {
   virtual void complete(double* all, std::span<const int> counts) = 0;
   /// The texts of all processes.
   virtual std::vector<std::string> gather(const std::string& mine) = 0;
+  /// The lists that all processes have for this one, from lists[i] for process i.
+  virtual std::vector<std::vector<std::uint32_t>> swap(
+      const std::vector<std::vector<std::uint32_t>>& lists) = 0;
+  /// Numbers for a process, or from it.
+  struct Parcel {
+    unsigned process;
+    std::vector<double> numbers;
+  };
+  /// Sends each of `out` and fills each of `in`. Waits for these processes only.
+  virtual void swap(std::span<const Parcel> out, std::span<Parcel> in) = 0;
   /// The largest number of all processes.
   virtual int largest(int mine) = 0;
 

@@ -2,8 +2,9 @@
 //
 // Several processes that make a run together leave the same bytes as one process, also when they
 // are stopped and others, of another number, go on.
-//   SUTURE_FULL=1              three scenes of each kind, 20 kills; otherwise as many scenes as 30
-//                              seconds hold, one kill
+//   SUTURE_FULL=1              three scenes of each kind, 200 of divided bodies, 20 kills;
+//   otherwise
+//                              as many scenes as 30 and 15 seconds hold, one kill
 //   SUTURE_PROCESSES_SEED=N    these scenes; otherwise others in each run
 //   SUTURE_PROCESSES_CASE=NAME this one alone, "twist-017-0"
 #include <gmock/gmock.h>
@@ -30,6 +31,9 @@ std::uint64_t scenes_seed() {
 
 bool is_full() { return !value_of_variable("SUTURE_FULL").empty(); }
 
+std::string only() { return value_of_variable("SUTURE_PROCESSES_CASE"); }
+bool is_chosen(const Case& what) { return only().empty() || what.name == only(); }
+
 /// Also for root, and for more processes than cores.
 std::vector<std::string> launcher(unsigned processes) {
   return {SUTURE_LAUNCHER, "--allow-run-as-root", "--oversubscribe", "-n",
@@ -54,8 +58,7 @@ class Together : public ::testing::Test {
 };
 
 TEST_F(Together, TheyLeaveTheBytesOfOne) {
-  const std::string only = value_of_variable("SUTURE_PROCESSES_CASE");
-  const bool full = is_full() || !only.empty();
+  const bool full = is_full() || !only().empty();
   std::vector<Kind> kinds = all_kinds();
   std::mt19937_64 order(scenes_seed());
   if (!full) std::ranges::shuffle(kinds, order);
@@ -67,7 +70,7 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
       if (!full && shared > 0 && spent > std::chrono::seconds(30)) break;
       Random random(scenes_seed(), kind.name, index);
       const Case what = kind.make(random, index, scenes_seed());
-      if (!only.empty() && what.name != only) continue;
+      if (!is_chosen(what)) continue;
       SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(scenes_seed()));
       const fs::path at = folder_ / what.name;
       write_case(what, at);
@@ -90,10 +93,45 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
       }
       fs::remove_all(at);
     }
-  if (only.empty()) {
+  if (only().empty()) {
     EXPECT_GT(shared, 0u) << "the module cannot be loaded";
   }
   std::cout << shared << " runs shared, " << refused << " scenes refused\n";
+}
+
+/// Vertices of several blocks, so that the passes are divided, too; others go on from one of the
+/// checkpoints.
+TEST_F(Together, TheyDivideThePasses) {
+  const std::vector<unsigned> numbers{2, 3, 4, 7};
+  const auto start = std::chrono::steady_clock::now();
+  unsigned runs = 0, resumed = 0;
+  for (unsigned index = 0; index < 200; ++index) {
+    const auto spent = std::chrono::steady_clock::now() - start;
+    if (!is_full() && runs > 0 && spent > std::chrono::seconds(15)) break;
+    Random random(scenes_seed(), "divided", index);
+    const Case what = divided(random, index);
+    if (!is_chosen(what)) continue;
+    SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(scenes_seed()));
+    const fs::path at = folder_ / what.name, scene = at / "scene.json";
+    write_case(what, at);
+    const Ran alone = run_here(what, at, at / "alone", {});
+    EXPECT_TRUE(alone.code == 0 || alone.code == 5) << alone.end;
+    for (const unsigned processes :
+         is_full() ? std::vector<unsigned>{1, 2, 3, 4, 7} : std::vector{random.pick(numbers)}) {
+      const fs::path there = at / std::to_string(processes), out = there / "out";
+      EXPECT_EQ(run(what, {scene}, processes, there), alone.code) << said(there);
+      EXPECT_EQ(difference(at / "alone", out), "") << processes << " processes";
+      ++runs;
+      const fs::path newest = newest_checkpoint(out);
+      if (newest.empty() || random.chance(0.5)) continue;
+      const std::vector<std::string> resume{"--resume", "out/" + newest.filename().string()};
+      EXPECT_EQ(run(what, resume, random.pick(numbers), there), alone.code) << said(there);
+      EXPECT_EQ(difference(at / "alone", out), "") << processes << " processes, resumed";
+      ++resumed;
+    }
+    fs::remove_all(at);
+  }
+  std::cout << runs << " runs, " << resumed << " resumed\n";
 }
 
 /// The beam of the tutorial, cut while it sags.

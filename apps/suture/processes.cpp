@@ -77,6 +77,17 @@ unsigned threads_of_each(Communicator& processes) {
   return std::clamp(share, 1u, allowed_cores());
 }
 
+std::string describe_traffic(const Communicator& processes, std::uint64_t steps) {
+  const Communicator::Traffic& sent = processes.traffic();
+  const auto per_step = [&](std::uint64_t number) {
+    return short_number(static_cast<double>(number) /
+                        static_cast<double>(std::max<std::uint64_t>(steps, 1)));
+  };
+  return "process 0 sent per step " + per_step(sent.bytes) + "B in " + per_step(sent.messages) +
+         " messages to single processes, and " + per_step(sent.exchanged_bytes) + "B in " +
+         per_step(sent.exchanges) + " exchanges of all";
+}
+
 void leave_processes() { joined.reset(); }
 
 void leave_processes_after_error(int code, Console& console) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 #include <string>
 
 #include "kernel/attributes/held.hpp"
@@ -14,17 +15,31 @@ namespace suture {
 namespace {
 
 constexpr Index pass_chunk = MotionSums::chunk;
-static_assert(pass_chunk % ElementBlocks::size == 0 && pass_chunk == BodyShare::block);
+static_assert(pass_chunk % ElementBlocks::size == 0);
 /// Below, one thread is as fast. A pass between two parallel loops pays early, because
 /// threads that wait through it fall asleep.
 constexpr Index parallel_vertices = 8192;
 constexpr Index sum_chunk = 4096;
+static_assert(pass_chunk == BodyShare::block && sum_chunk % BodyShare::block == 0);
 
-/// visit(first, end) for ranges of vertices that hold all.
-template <class Visit>
-void for_each_range(Index vertices, Index size, Visit visit) {
-  for (Index begin = 0; begin < vertices; begin += size)
-    visit(begin, std::min(begin + size, vertices));
+/// The sum of range(first, end) over ranges of so many vertices, in their order; those of `share`
+/// are computed here, unless it is null.
+template <class Range>
+double sum_of_ranges(const Body& body, BodyShare* share, Index size, Range range) {
+  const Index vertices = body.attributes().vertex_count();
+  std::vector<double> sums((vertices + BodyShare::block - 1) / BodyShare::block);
+  const auto add = [&](Index begin, Index end) {
+    for (; begin < end; begin += size)
+      sums[begin / BodyShare::block] = range(begin, std::min(begin + size, vertices));
+  };
+  if (share) {
+    add(share->own().begin, share->own().end);
+    add(share->common_begin(), vertices);
+    share->join_blocks(sums, 1, true);
+  } else {
+    add(0, vertices);
+  }
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 bool is_finite(const Column& column, Index row) {
@@ -350,31 +365,32 @@ void Motion::refuse_not_finite() const {
 }
 
 double Motion::sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const {
-  double total = 0;
-  for_each_range(body_.attributes().vertex_count(), sum_chunk, [&](Index first, Index last) {
-    total += sum(&m, body_.attributes().fixed().rows(), first, last);
-  });
-  return total;
+  return sum_of_ranges(body_, divides() ? body_.share() : nullptr, sum_chunk,
+                       [&](Index first, Index last) {
+                         return sum(&m, body_.attributes().fixed().rows(), first, last);
+                       });
 }
 
 double Motion::kinetic(const Kick& kick) {
+  const PartialRows::OwnIsEnough own(body_.attributes().partial_rows(), divides());
   return sum_over_vertices(pass({&kick, 1}), loops_.kinetic);
 }
 
 double Motion::leapfrog_part(double h) {
   const Kick kick(damping_, h);
+  const PartialRows::OwnIsEnough own(body_.attributes().partial_rows(), divides());
   return h == 0 ? 0 : sum_over_vertices(pass({&kick, 1}), loops_.forcing) / 8;
 }
 
 double Motion::power() {
-  loops::Motion m = pass({});
-  double sum = 0;
-  for_each_range(body_.attributes().vertex_count(), pass_chunk, [&](Index first, Index last) {
-    loops::PassSums sums;
-    loops_.kick(&m, first, last, &sums);
-    sum += sums.before;
-  });
-  return sum;
+  const PartialRows::OwnIsEnough own(body_.attributes().partial_rows(), divides());
+  const loops::Motion m = pass({});
+  return sum_of_ranges(body_, divides() ? body_.share() : nullptr, pass_chunk,
+                       [&](Index first, Index last) {
+                         loops::PassSums sums;
+                         loops_.kick(&m, first, last, &sums);
+                         return sums.before;
+                       });
 }
 
 Motion::Sums Motion::sums_at(std::span<const Index> vertices, std::span<const Vec3> forces,
@@ -458,6 +474,11 @@ void Motion::state(Archive& archive) {
   archive("end dt", end_dt_);
   archive("sums", sums_);
   archive("body", body_);
+  if (archive.loads() && !archive.has_cells() && body_.share()) {  // own rows alone may be saved
+    PartialRows& partial = body_.attributes().partial_rows();
+    partial.set(PartialRows::position, true);
+    partial.set(PartialRows::velocity, true);
+  }
   if (!archive.has_cells()) return;
   archive("damping", damping_);
   archive("evaluated", evaluated_);

@@ -134,6 +134,7 @@ void ForceLoop::accept() {
 void ForceLoop::share(BodyShare& share) {
   impl_->share = &share;
   impl_->forget_shares();
+  impl_->find_share();
 }
 
 bool ForceLoop::may_divide() const {

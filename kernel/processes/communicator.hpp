@@ -10,7 +10,7 @@
 namespace suture {
 
 /// The processes that make one run together, and what they tell each other. Every function but the
-/// first two waits until all of them have called it.
+/// first two and traffic() waits until all of them have called it.
 class Communicator {
  public:
   virtual ~Communicator() = default;
@@ -34,6 +34,11 @@ class Communicator {
   };
   /// Sends each of `out` and fills each of `in`. Waits for these processes only.
   virtual void swap(std::span<const Parcel> out, std::span<Parcel> in) = 0;
+  /// What this process has sent to single processes, and to all in exchanges that all make.
+  struct Traffic {
+    std::uint64_t messages = 0, bytes = 0, exchanges = 0, exchanged_bytes = 0;
+  };
+  virtual const Traffic& traffic() const = 0;
   /// The largest number of all processes.
   virtual int largest(int mine) = 0;
 

@@ -5,6 +5,12 @@
 #include <numeric>
 
 namespace suture {
+namespace {
+
+/// Own vertices are whole ranges of every sum over vertices (Motion).
+constexpr Index aligned = 4 * BodyShare::block;
+
+}  // namespace
 
 ProcessShare::ProcessShare(Communicator& processes)
     : processes_(processes), common_(processes.size()), counts_(processes.size()) {}
@@ -27,7 +33,7 @@ void ProcessShare::divide(const CellComplex& complex) {
   for (Index v = 0; v < complex.count(0); ++v)
     ++begins_[complex.exists(0, v) ? owner_of(complex, v) + 1 : processes_.size()];
   std::inclusive_scan(begins_.begin(), begins_.end(), begins_.begin());
-  for (Index& begin : begins_) begin -= begin % block;
+  for (Index& begin : begins_) begin -= begin % aligned;
 }
 
 /// The borders stay where they are at first, whatever operations do.

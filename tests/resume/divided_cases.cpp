@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Bodies that are large enough for several processes to step vertices of their own: these come in
-// blocks of 1024.
+// blocks of 4096.
 #include "tests/resume/cases.hpp"
 
 namespace suture::test {
@@ -55,7 +55,7 @@ Case divided(Random& random, unsigned index) {
                {"solver", {{"end", end}}}}};
   Json& scene = result.scene;
   for (int axis = 0; axis < 3; ++axis)
-    scene["mesh"]["box"]["cells"].push_back(static_cast<int>(random.between(12, 19)));
+    scene["mesh"]["box"]["cells"].push_back(static_cast<int>(random.between(15, 25)));
   if (random.chance(0.3))
     scene["gravity"] = {{"value", scene["gravity"]},
                         {"ramp", {{"to", random.between(0, 1) * end}}}};

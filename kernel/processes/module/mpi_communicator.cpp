@@ -31,6 +31,7 @@ class MpiCommunicator final : public Communicator {
 
   void gather(std::span<const double> mine, std::span<const int> counts, double* all) override {
     find_offsets(counts);
+    note_exchange(mine.size() * sizeof(double));
     MPI_Request request;
     MPI_Iallgatherv(mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, all, counts.data(),
                     offsets_.data(), MPI_DOUBLE, MPI_COMM_WORLD, &request);
@@ -39,6 +40,8 @@ class MpiCommunicator final : public Communicator {
 
   void complete(double* all, std::span<const int> counts) override {
     find_offsets(counts);
+    note_exchange(static_cast<std::size_t>(counts[static_cast<std::size_t>(rank_)]) *
+                  sizeof(double));
     MPI_Request request;
     MPI_Iallgatherv(MPI_IN_PLACE, 0, MPI_DOUBLE, all, counts.data(), offsets_.data(), MPI_DOUBLE,
                     MPI_COMM_WORLD, &request);
@@ -86,13 +89,19 @@ class MpiCommunicator final : public Communicator {
     for (Parcel& parcel : in)
       MPI_Irecv(parcel.numbers.data(), static_cast<int>(parcel.numbers.size()), MPI_DOUBLE,
                 static_cast<int>(parcel.process), 0, MPI_COMM_WORLD, &requests_.emplace_back());
-    for (const Parcel& parcel : out)
+    for (const Parcel& parcel : out) {
+      ++traffic_.messages;
+      traffic_.bytes += parcel.numbers.size() * sizeof(double);
       MPI_Isend(parcel.numbers.data(), static_cast<int>(parcel.numbers.size()), MPI_DOUBLE,
                 static_cast<int>(parcel.process), 0, MPI_COMM_WORLD, &requests_.emplace_back());
+    }
     for (MPI_Request& request : requests_) wait(request);
   }
 
+  const Traffic& traffic() const override { return traffic_; }
+
   int largest(int mine) override {
+    note_exchange(sizeof mine);
     int result = 0;
     MPI_Request request;
     MPI_Iallreduce(&mine, &result, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD, &request);
@@ -130,6 +139,10 @@ class MpiCommunicator final : public Communicator {
     for (int i = 0; MPI_Test(&request, &done, MPI_STATUS_IGNORE), done == 0; ++i)
       if (i > spins) std::this_thread::sleep_for(std::chrono::microseconds(20));
   }
+  void note_exchange(std::size_t bytes) {
+    ++traffic_.exchanges;
+    traffic_.exchanged_bytes += bytes;
+  }
   void find_offsets(std::span<const int> counts) {
     std::exclusive_scan(counts.begin(), counts.end(), offsets_.begin(), 0);
   }
@@ -139,6 +152,7 @@ class MpiCommunicator final : public Communicator {
   int rank_ = 0, size_ = 1;
   std::vector<int> offsets_;
   std::vector<MPI_Request> requests_;
+  Traffic traffic_;
 };
 
 }  // namespace

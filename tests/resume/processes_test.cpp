@@ -195,7 +195,7 @@ TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
 
 TEST_F(Together, TheProgramStartsThem) {
   Case what = cut_beam();
-  what.scene["solver"]["end"] = 0.05;
+  what.scene["solver"]["end"] = 0.25;
   const fs::path at = folder_ / "case", scene = at / "scene.json";
   write_case(what, at);
   EXPECT_EQ(run(what, {scene}, 0, at / "0"), 0);

@@ -15,7 +15,7 @@ namespace suture {
 namespace {
 
 constexpr Index pass_chunk = MotionSums::chunk;
-static_assert(pass_chunk % ElementBlocks::size == 0);
+static_assert(pass_chunk % ElementBlocks::vertices_read == 0);
 /// Below, one thread is as fast. A pass between two parallel loops pays early, because
 /// threads that wait through it fall asleep.
 constexpr Index parallel_vertices = 8192;

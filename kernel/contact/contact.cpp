@@ -10,7 +10,6 @@
 namespace suture {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 // Between two obstacles that a vertex touches at once.
 constexpr int max_sweeps = 16;
 // Over all contacts between pieces.
@@ -56,7 +55,7 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
       thickness_(thickness),
       surface_(complex) {
   if (embedding) points_.emplace(std::move(embedding));
-  shortest_edge_ = infinity;
+  shortest_edge_ = std::numeric_limits<double>::infinity();
   const double* rest = attributes.rest().rows();
   for (const BoundarySurface::Corners& corners : surface_.corners())
     for (std::size_t i = 0; i < 4; ++i) {

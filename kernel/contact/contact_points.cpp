@@ -10,7 +10,7 @@
 namespace suture {
 namespace {
 
-constexpr int max_sweeps = 64;
+constexpr int most_pushes = 64;
 
 }  // namespace
 
@@ -94,9 +94,9 @@ void Contact::group_points() {
 /// last sweep has the last word: each push obeys the law of contact.
 void Contact::push_group(std::span<const Grouped> group, double dt) {
   double last = 0;
-  for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+  for (int sweep = 0; sweep < most_pushes; ++sweep) {
     const auto [largest, size] = sweep_points(group, dt);
-    if (dt * largest <= least_push * shortest_edge_ || sweep + 1 == max_sweeps) break;
+    if (dt * largest <= least_push * shortest_edge_ || sweep + 1 == most_pushes) break;
     const double factor = sweep == 0 || size > last ? 0 : size / last;
     last = size;
     for (const auto [of, i] : group) {

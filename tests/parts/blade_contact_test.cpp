@@ -15,7 +15,7 @@
 #include "tests/parts/blade_event.hpp"
 #include "tests/run/equilibrium.hpp"
 
-namespace suture::test {
+namespace suture::test::blade_contact_test {
 namespace {
 
 const Vec3 oblique{1, 0.15, 0.4};
@@ -408,4 +408,4 @@ TEST(BladeContact, LipsPushEachOtherEqually) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::blade_contact_test

@@ -120,6 +120,21 @@ void Attributes::share_columns(Instance& instance) {
   }
 }
 
+namespace {
+
+/// The first that declares a field of this name; there is one.
+const Instance& first_with_field(std::span<const std::unique_ptr<Instance>> instances,
+                                 const std::string& name) {
+  return **std::ranges::find_if(instances, [&](const auto& instance) {
+    const suture_model& model = instance->model();
+    return std::ranges::any_of(
+        std::span(model.attributes, model.attribute_count),
+        [&](const suture_attribute& a) { return (a.flags & SUTURE_FIELD) != 0 && name == a.name; });
+  });
+}
+
+}  // namespace
+
 VertexField& Attributes::declare(const suture_attribute& attribute, const Instance& instance) {
   const auto known = std::ranges::find(fields_, attribute.name, &VertexField::name);
   const bool is_rising = (attribute.flags & SUTURE_RISING) != 0;
@@ -128,16 +143,15 @@ VertexField& Attributes::declare(const suture_attribute& attribute, const Instan
         VertexField{attribute.name, attribute.unit, &kernel(0).add(spec_of(attribute)), is_rising});
   known->is_rising |= is_rising;
   const ColumnSpec& spec = known->values->spec();
+  const std::string in_other = "in " + first_with_field(instances_, known->name).title();
   if (spec.components != static_cast<int>(attribute.components))
     throw InputError(instance.title() + ": field '" + known->name + "' has " +
-                     std::to_string(attribute.components) +
-                     " components, but in another model of this scene it has " +
-                     std::to_string(spec.components));
+                     std::to_string(attribute.components) + " components, but " + in_other +
+                     " it has " + std::to_string(spec.components));
   if (known->unit != attribute.unit || spec.initial != attribute.initial)
     throw InputError(instance.title() + ": field '" + known->name + "' starts from " +
-                     std::to_string(attribute.initial) + ' ' + attribute.unit +
-                     ", but another model of this scene lets it start from " +
-                     std::to_string(spec.initial) + ' ' + known->unit +
+                     std::to_string(attribute.initial) + ' ' + attribute.unit + ", but " +
+                     in_other + " from " + std::to_string(spec.initial) + ' ' + known->unit +
                      "; models that share a field must agree on both");
   return *known;
 }
@@ -230,6 +244,7 @@ void Attributes::sum_again(Instance& instance, const CellComplex& complex) {
 void Attributes::apply(const CellComplex& complex, const TopologyChange& change) {
   if (change.empty()) return;
   ++operations_;
+  complete_rows();
   add_copies(complex, change.copies);
   merge_vertices(complex, change);  // then elements have the right rest places
   follow(kernel_, complex, change, kernel(0).columns.size());  // merged above
@@ -277,7 +292,14 @@ void Attributes::merge_vertices(const CellComplex& complex, const TopologyChange
                                                                                 vertex_weights_);
 }
 
+void Attributes::complete_rows() {
+  position();
+  velocity();
+  force();
+}
+
 void Attributes::bring_together(const std::vector<std::pair<Index, Index>>& equal) {
+  complete_rows();
   const auto give_mean = [](Column& column, int c, const std::vector<Index>& group, auto weight) {
     double sum = 0, all = 0;
     for (const Index v : group) {

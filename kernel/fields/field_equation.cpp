@@ -116,29 +116,13 @@ void FieldEquation::advance_explicitly(double time, double dt) {
                          " s: choose an implicit integrator");
   for (double i = 0; i < steps; ++i) explicit_step(time + i * (dt / steps), dt / steps);
   ++steps_since_;
-  require_finite();
 }
 
-/// u += h (r + q) / C. What a prescribed vertex takes up beside its rate has come through it; what
-/// a field that does not fall (SUTURE_RISING) would lose is not produced.
+/// What a prescribed vertex takes up beside its rate has come through it.
 void FieldEquation::explicit_step(double time, double dt) {
   evaluate(time);
   if (has_dissipation_) booked_.dissipated += dt * rates_.dissipation(time);
-  for_each_value([&](Index v, std::size_t c, std::size_t) {
-    double produced = rate(v, c);
-    const double capacity = this->capacity(v), more = rate(v, c) + flux(v, c);
-    if (capacity > 0 && !is_prescribed(v, c)) {
-      if (field_.is_rising && more < 0) {
-        produced -= more;
-      } else {
-        value(v, c) += dt * more / capacity;
-        if (!has_dissipation_) booked_.dissipated += rate(v, c) * (dt * more / capacity);
-      }
-    }
-    booked_.of[c].produced += dt * produced;
-    booked_.of[c].inflow += dt * flux(v, c);
-    booked_.supplied += value(v, c) * dt * flux(v, c);
-  });
+  for (std::size_t c = 0; c < components_; ++c) advance_component(c, dt);
   for (const Held& held : held_) {
     const auto [v, c, path] = held;
     const double next = prescribed(held, time + dt);
@@ -149,13 +133,34 @@ void FieldEquation::explicit_step(double time, double dt) {
   }
 }
 
-void FieldEquation::require_finite() const {
-  for_each_value([&](Index v, std::size_t c, std::size_t) {
-    if (!std::isfinite(value(v, c)))
-      throw NumericalError("field '" + field_.name +
-                           "' is not finite: its rates grow faster than "
-                           "its steps follow; choose an implicit integrator, or a shorter dt");
-  });
+/// u += h (r + q) / C. What a field that does not fall (SUTURE_RISING) would lose is not produced.
+void FieldEquation::advance_component(std::size_t c, double dt) {
+  double produced = 0, inflow = 0, dissipated = 0, supplied = 0;
+  bool is_finite = true;
+  const Index count = vertices();
+  for (Index v = 0; v < count; ++v) {
+    const double capacity = this->capacity(v), rate = this->rate(v, c), flux = this->flux(v, c);
+    const bool is_free = capacity > 0 && !is_prescribed(v, c);
+    const bool cannot_fall = is_free && field_.is_rising && rate + flux < 0;
+    double& u = value(v, c);
+    produced += cannot_fall ? -flux : rate;
+    inflow += flux;
+    if (is_free && !cannot_fall) {
+      const double change = dt * (rate + flux) / capacity;
+      u += change;
+      dissipated += rate * change;
+    }
+    supplied += u * flux;
+    is_finite &= std::isfinite(u);
+  }
+  booked_.of[c].produced += dt * produced;
+  booked_.of[c].inflow += dt * inflow;
+  booked_.supplied += dt * supplied;
+  if (!has_dissipation_) booked_.dissipated += dissipated;
+  if (is_finite) return;
+  throw NumericalError("field '" + field_.name +
+                       "' is not finite: its rates grow faster than its steps follow; choose an "
+                       "implicit integrator, or a shorter dt");
 }
 
 // ------------------------------------------------------------------ balance --
@@ -188,12 +193,19 @@ std::string FieldEquation::name(std::size_t component) const {
 
 std::string FieldEquation::balance_text(double time) {
   const std::string unit = ' ' + unit_of_content();
+  bool has_capacity = false;
+  for_each_value([&](Index v, std::size_t, std::size_t) { has_capacity |= capacity(v) > 0; });
   std::ostringstream text;
   for (std::size_t c = 0; c < components_; ++c) {
     const FieldBalance b = balance(c);
-    text << (c == 0 ? "" : "; ") << name(c) << ": content " << b.content << unit
-         << "; since the start, " << b.inflow << unit << " came in, models produced " << b.produced
-         << unit << ", and " << b.changed << unit
+    text << (c == 0 ? "" : "; ") << name(c) << ": ";
+    if (!has_capacity) {
+      text << "no capacity, so it contains nothing";
+      if (b.inflow != 0) text << "; since the start, " << b.inflow << unit << " came in";
+      continue;
+    }
+    text << "content " << b.content << unit << "; since the start, " << b.inflow << unit
+         << " came in, models produced " << b.produced << unit << ", and " << b.changed << unit
          << " are due to operations and jumps to equilibria";
   }
   if (iterations_.all != 0)

@@ -143,8 +143,8 @@ class FieldEquation {
   double prescribed(const Held& held, double time) const { return paths_[held.path].value(time); }
   void evaluate(double time);
   void explicit_step(double time, double dt);
+  void advance_component(std::size_t c, double dt);
   void require_capacities(Steps steps) const;
-  void require_finite() const;
   Contents contents() const;
   double capacity(Index v) const { return field_.capacity ? field_.capacity->rows()[v] : 0; }
   double relaxation(Index v) const { return field_.relaxation ? field_.relaxation->rows()[v] : 0; }

@@ -12,6 +12,7 @@
 // field in place of those of positions. It is built once in a call, so that results depend on the
 // state alone.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "kernel/base/error.hpp"
@@ -40,18 +41,27 @@ void FieldEquation::find_diagonal(double time, double per_dt) {
   diagonal_.assign(std::size_t{vertices()} * 3, 0);
   sums_.assign(diagonal_.size(), 0);
   rates_.for_each_tangent(1, per_dt, time, [&](const CellTangents& cells) {
-    const Index rows = 3 * cells.nodes;
-    const auto place = [&](Index cell, Index row) {
-      return std::size_t{cells.vertices[cell * cells.nodes + row / 3]} * 3 + row % 3;
+    const std::size_t rows = std::size_t{cells.nodes} * 3;
+    const auto for_each_row = [&](auto visit) {
+      for (std::size_t node = 0; node < cells.nodes; ++node)
+        for (std::size_t c = 0; c < components_; ++c) visit(node, node * 3 + c);
     };
-    for (Index cell = 0; cell < cells.cells; ++cell)
-      for (Index row = 0; row < rows; ++row) {
-        if (row % 3 >= components_) continue;
-        for (Index column = 0; column < rows; ++column)
-          sums_[place(cell, row)] +=
-              std::abs(cells.values[(std::size_t{column} * rows + row) * 8 + cell]);
-        diagonal_[place(cell, row)] -= cells.values[(std::size_t{row} * rows + row) * 8 + cell];
+    const auto entry = [&](std::size_t column, std::size_t row) {
+      return cells.values + (column * rows + row) * 8;
+    };
+    for_each_row([&](std::size_t node, std::size_t row) {
+      std::array<double, 8> sums{};
+      for_each_row([&](std::size_t, std::size_t column) {
+        for (std::size_t cell = 0; cell < 8; ++cell)
+          sums[cell] += std::abs(entry(column, row)[cell]);
+      });
+      for (std::size_t cell = 0; cell < cells.cells; ++cell) {
+        const Index vertex = cells.vertices[cell * cells.nodes + node];
+        const std::size_t place = std::size_t{vertex} * 3 + row % 3;
+        sums_[place] += sums[cell];
+        diagonal_[place] -= entry(row, row)[cell];
       }
+    });
   });
 }
 

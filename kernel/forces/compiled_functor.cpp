@@ -359,6 +359,11 @@ bool CompiledFunctor::has_states() const {
                      functor_.vertex_columns + functor_.vertex_column_count, is_state);
 }
 
+Index CompiledFunctor::components() const {
+  const std::uint32_t field = functor_.field;
+  return field == 0 ? 3 : static_cast<Index>(instance_.model().attributes[field - 1].components);
+}
+
 bool CompiledFunctor::reads_field() const {
   const std::span columns(functor_.vertex_columns, functor_.vertex_column_count);
   return std::ranges::any_of(columns, [&](std::uint32_t a) {

@@ -84,6 +84,8 @@ class CompiledFunctor {
   std::uint32_t reads() const { return reads_; }
   /// Whether it reads columns that steps change (SUTURE_TRIAL).
   bool has_states() const;
+  /// Per node, of what it computes: 3 of a force, or those of its field.
+  Index components() const;
   bool reads_field() const;  ///< whether it reads one (SUTURE_FIELD)
   bool skipped() const { return !reason_.empty(); }
   const std::string& reason() const { return reason_; }

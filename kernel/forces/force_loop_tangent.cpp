@@ -119,12 +119,14 @@ void ForceLoop::add_tangent(const double* d, double dx, double dv, const Tangent
 namespace {
 
 /// The functor's derivatives along one component of one node, for all cells of a batch at once:
-/// column `column` of their matrices.
+/// column `column` of their matrices. Those of components that it does not have are 0.
 class TangentColumns {
  public:
-  TangentColumns(const suture_tangent_1& extension, Index nodes, double dx, double dv)
+  TangentColumns(const suture_tangent_1& extension, Index nodes, Index components, double dx,
+                 double dv)
       : extension_(extension),
         size_(nodes * 3),
+        components_(components),
         values_(std::size_t{size_} * size_ * lanes),
         dx_(std::size_t{size_} * lanes),
         dv_(dx_.size()),
@@ -133,6 +135,7 @@ class TangentColumns {
 
   suture_status compute(const suture_context* context, const suture_batch& batch) {
     for (Index column = 0; column < size_; ++column) {
+      if (column % 3 >= components_) continue;
       const suture_status status = compute(context, batch, std::size_t{column} * lanes);
       if (status != SUTURE_OK) return status;
     }
@@ -152,7 +155,7 @@ class TangentColumns {
   }
 
   const suture_tangent_1& extension_;
-  Index size_;
+  Index size_, components_;
   AlignedVector<double> values_;
   AlignedVector<double> dx_, dv_;  ///< 0 between two columns
   double scaled_dx_, scaled_dv_;
@@ -207,8 +210,8 @@ void ForceLoop::Impl::with_tangent_columns(Index number, double dx, double dv,
   const auto worker =
       workers[0].prepare(job, functor.instance().context(0), number, functor.call("tangent"));
   const PluginScope scope(workers[0].call);
-  VisitColumns columns(TangentColumns(*extension, job.node_count, dx, dv), job,
-                       cell_functor(number));
+  VisitColumns columns(TangentColumns(*extension, job.node_count, functor.components(), dx, dv),
+                       job, cell_functor(number));
   const auto check = [this](auto values, Index valid) { check_results(values, valid); };
   run_batches(job, worker, [&](suture_batch& batch, const loops::BatchRows& rows) {
     return columns(worker.context, batch, rows, check, visit);

@@ -28,7 +28,8 @@ struct DeclaredField {
   Limits limits;  ///< of all models that declare it
 };
 
-/// The fields that models declare, each once.
+/// The fields that models declare, each once. Models that allow no common value start from
+/// different ones, too; they are refused when the scene is built (Attributes::declare).
 std::vector<DeclaredField> declared_fields(const Scene& scene) {
   std::vector<DeclaredField> fields;
   for (const ModelUse& use : scene.models)
@@ -41,6 +42,8 @@ std::vector<DeclaredField> declared_fields(const Scene& scene) {
       field->limits.minimum = std::max(field->limits.minimum, a.minimum);
       field->limits.maximum = std::min(field->limits.maximum, a.maximum);
     }
+  for (DeclaredField& field : fields)
+    if (field.limits.minimum > field.limits.maximum) field.limits = Limits::any(field.limits.unit);
   return fields;
 }
 

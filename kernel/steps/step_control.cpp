@@ -379,6 +379,11 @@ void StepControl::give_up(const NumericalError& error) {
 }
 
 void StepControl::state(Archive& archive) {
+  Attributes& attributes = built_.body().attributes();
+  if (scene_.checkpoint.enabled) {  // which have the kept states, of all vertices
+    attributes.position();
+    attributes.velocity();
+  }
   archive("clock", clock_);
   archive("schedule", schedule_);
   archive("dynamics", built_.dynamics());
@@ -418,6 +423,10 @@ std::string StepControl::advice(const NumericalError& error) const {
   if (built_.dynamics().is_static())
     return "Reduce the loads or motions, refine the mesh there, or choose another law: some have "
            "no equilibrium beyond a limit (St Venant-Kirchhoff softens below a stretch of 0.58)";
+  if (!built_.dynamics().is_whole() && kept_.empty())
+    return "The end of a step was refused right after an operation, which cannot be undone, so no "
+           "smaller step was tried: reduce " +
+           std::string(step_setting());
   std::ostringstream text;
   if (dynamic_cast<const InaccurateStep*>(&error) != nullptr)
     return "Ramp loads and motions that begin suddenly there, check the parameters of the model, "

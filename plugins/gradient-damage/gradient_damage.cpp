@@ -40,9 +40,14 @@ struct GradientDamage : suture::continuum<GradientDamage> {
   static SUTURE_INLINE T volumetric(const T& change, const P& p) {
     return 0.5 * p[bulk] * (0.5 * change * (change + 2.0) - log1p(change));
   }
+  /// I1 - 3 of the part of F that keeps the volume, and J - 1.
+  template <class T>
+  static SUTURE_INLINE suture::strain_excess<T> strain(const suture::mat3<T>& F) {
+    return isochoric(suture::strain_excess<T>{excess_I1(F), T(0.0), excess_J(F)});
+  }
   template <class T, class P>
   static SUTURE_INLINE T tension(const suture::mat3<T>& F, const P& p) {
-    const auto e = isochoric(suture::strain_excess<T>{excess_I1(F), T(0.0), excess_J(F)});
+    const auto e = strain(F);
     return 0.5 * p[mu] * e.I1 + volumetric(max(e.J, T(0.0)), p);
   }
 
@@ -54,8 +59,9 @@ struct GradientDamage : suture::continuum<GradientDamage> {
 
   template <class T, class P, class At>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const P& p, const At& at) {
-    const auto sound = what_is_sound(at.field[0]);
-    return (sound * sound + p[residual]) * tension(F, p) + volumetric(min(excess_J(F), T(0.0)), p);
+    const auto sound = what_is_sound(at.field[0]), left = sound * sound + p[residual];
+    const auto e = strain(F);
+    return left * (0.5 * p[mu] * e.I1) + select(e.J > 0.0, left, 1.0) * volumetric(e.J, p);
   }
   template <class P, class At>
   static auto field_energy(const P& p, const At& at) {
@@ -64,7 +70,7 @@ struct GradientDamage : suture::continuum<GradientDamage> {
   }
   /// - dW/dd, and - dW/d(grad d) as a flow.
   template <class F, class P, class At>
-  static auto release(const F& f, const P& p, const At& at) {
+  static SUTURE_INLINE auto release(const F& f, const P& p, const At& at) {
     const auto driving = 2.0 * what_is_sound(at.field) * tension(f, p);
     return suture::released{driving - 0.375 * p[toughness] / p[length],
                             at.gradient * (-0.75 * p[toughness] * p[length])};

@@ -92,6 +92,24 @@ TEST(FieldMistakes, SayWhatTheSceneLacks) {
               HasSubstr("/solver: \"until\": \"rest\" looks at the motion alone"));
 }
 
+TEST(FieldMistakes, NameWhatFlowsWhereNoModelTakesItFurther) {
+  for (const char* flow :
+       {R"("flux": 1, "where": {"set": "x1"})", R"("source": 1, "where": {"set": "x1"})"})
+    for (const char* solver : {R"("integrator": "symplectic-euler", "dt": 1e-3, "end": 1)",
+                               R"("static": {"frames": 1})"})
+      EXPECT_THAT(
+          message([&] {
+            FieldRun(field_scene(
+                R"("mesh": {"box": {"size": [2, 1, 1], "cells": [2, 1, 1]}}, "models": [{"model":
+                "tm-faure", "parameters": {"E": 1, "nu": 0, "rho": 1}}, {"model": "heat",
+                "parameters": {"k": 1, "c": 1}, "region": {"box": {"min": [0, 0, 0], "max":
+                [1, 1, 1]}}}], "fields": [{"field": "temperature", )" +
+                std::string(flow) + R"(}], "solver": {)" + solver + "}"));
+          }),
+          HasSubstr("/fields/0: 'temperature' flows into node"))
+          << flow << solver;
+}
+
 TEST(FieldMistakes, ASteadyStateNeedsAPrescribedValue) {
   for (const int n : {2, 160}) {  // with and without the multigrid
     const Scene scene = bar(n, R"("static": {"frames": 1})", R"("fields": [{"field": "temperature",

@@ -52,6 +52,14 @@ inline __attribute__((always_inline)) void gather_rows(const double* rows, const
   for (uint32_t n = 0; n < N; ++n) gather_node(rows, cells, n, out + n * 3 * lanes);
 }
 
+/// A column of one number per vertex, such as most fields.
+template <uint32_t N, class C>
+inline __attribute__((always_inline)) void gather_numbers(const double* numbers, const C& cells,
+                                                          double* out) {
+  for (uint32_t n = 0; n < N; ++n)
+    for (uint32_t l = 0; l < lanes; ++l) out[n * lanes + l] = numbers[cells.vertex(l, n)];
+}
+
 /// Vertex columns into scratch; returns the first free double behind them.
 template <uint32_t N, class C>
 double* gather_vertex_columns(const Job& job, const Worker& worker, const C& cells) {
@@ -59,6 +67,11 @@ double* gather_vertex_columns(const Job& job, const Worker& worker, const C& cel
   for (uint32_t i = 0; i < job.vertex_column_count; ++i) {
     const VertexColumn& column = job.vertex_columns[i];
     worker.vertex_columns[i] = out;
+    if (column.stride == 1 && !column.rows) {
+      gather_numbers<N>(column.data, cells, out);
+      out += N * lanes;
+      continue;
+    }
     for (uint32_t n = 0; n < N; ++n, out += column.components * lanes)
       for (uint32_t l = 0; l < lanes; ++l) {
         const uint32_t vertex = cells.vertex(l, n);

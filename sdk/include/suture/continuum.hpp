@@ -168,7 +168,7 @@ struct continuum_functor : law_functor<M, Shape, 8> {
   }
 
   static constexpr int most_points = has_points<M> ? 27 : 8;
-  template <class Cell>
+  template <bool = true, class Cell>
   [[gnu::noinline]] static deformed_element<typename Cell::scalar, most_points> deformed(
       const Cell& c) {
     deformed_element<typename Cell::scalar, most_points> e;

@@ -47,6 +47,21 @@ struct scalar_gradients {
     return along[d][place[d]];
   }
 
+  /// The gradient du/dX at a point where `inverse` is J^-1.
+  template <class R>
+  SUTURE_INLINE vec3<T> in_space(int i, int j, int k, const mat3<R>& inverse) {
+    vec3<T> gradient{T(0.0), T(0.0), T(0.0)};
+    for (int d = 0; d < 3; ++d)
+      for (int e = 0; e < 3; ++e) gradient[e] += at(d, i, j, k) * inverse(d, e);
+    return gradient;
+  }
+  /// The transpose: subtracts a flow in space times w J^-1.
+  template <class R>
+  SUTURE_INLINE void subtract(int i, int j, int k, const mat3<R>& weighed, const vec3<T>& flow) {
+    for (int d = 0; d < 3; ++d)
+      for (int e = 0; e < 3; ++e) at(d, i, j, k) -= weighed(d, e) * flow[e];
+  }
+
   /// - sum over points and axes of s_d(point) dN_n/dxi_d.
   SUTURE_INLINE void scatter(T (&r)[8]) const {
     for (T& rate : r) rate = T(0.0);

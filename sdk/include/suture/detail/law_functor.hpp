@@ -76,8 +76,8 @@ struct deformed_element {
   }
 };
 
-/// `Shape` provides deformed(cell), a function of its own that energies and outputs share. `Points`
-/// as in instant_at().
+/// `Shape` provides deformed(cell), a function of its own that energies and outputs share, and
+/// deformed<false>(cell), without the energy of hourglasses. `Points` as in instant_at().
 template <class M, class Shape, int Points, bool = has_energy_density<M>>
 struct law_functor : on_volumes {
   static_assert(check_law<M>());

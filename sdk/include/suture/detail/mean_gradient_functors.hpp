@@ -46,7 +46,7 @@ struct mean_gradient_functor : law_functor<M, Shape, 1> {
     Shape::with_rest(c, [&](const auto& rest) SUTURE_DETAIL_INLINED { force_on(c, rest); });
   }
 
-  template <class Cell>
+  template <bool with_energy = true, class Cell>
   [[gnu::noinline]] static deformed_element<typename Cell::scalar, 1> deformed(const Cell& c) {
     deformed_element<typename Cell::scalar, 1> e;
     Shape::with_rest(c, [&](const auto& rest) {
@@ -55,7 +55,8 @@ struct mean_gradient_functor : law_functor<M, Shape, 1> {
       const auto now = separated_modes(x, rest);
       e.add(rest.F(now), rest.volume);
       const typename std::decay_t<decltype(rest)>::core& core = rest;
-      if constexpr (has_energy_density<M>) e.hourglass_energy = hourglass_energy<both>(now, core);
+      if constexpr (with_energy && has_energy_density<M>)
+        e.hourglass_energy = hourglass_energy<both>(now, core);
     });
     return e;
   }

@@ -82,8 +82,7 @@ struct release_functor : on_volumes {
                       const auto& at) SUTURE_DETAIL_INLINED {
       const released<T> out = M::release(F, material<M>(c), at);
       source[point_number<2>(i, j, k)] = weight * out.source;
-      for (int d = 0; d < 3; ++d)
-        for (int e = 0; e < 3; ++e) flows.at(d, i, j, k) -= (weight * inverse(d, e)) * out.flow[e];
+      flows.subtract(i, j, k, inverse * weight, out.flow);
     });
     flows.scatter(r);
     add_to_nodes(source, r);
@@ -141,11 +140,7 @@ struct release_functor : on_volumes {
       const int point = point_number<2>(i, j, k);
       const mat3<R> inverse = inverse_at(i, j, k);
       at.field = value[point];
-      for (int e = 0; e < 3; ++e) {
-        at.gradient[e] = T(0.0);
-        for (int d = 0; d < 3; ++d)
-          at.gradient[e] += field_gradients.at(d, i, j, k) * inverse(d, e);
-      }
+      at.gradient = field_gradients.in_space(i, j, k, inverse);
       if constexpr (follows_rates<M>) {
         at.rate = field_rate[point];
         at.dF = velocity_gradients.at(i, j, k) * inverse;

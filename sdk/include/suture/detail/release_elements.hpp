@@ -65,7 +65,7 @@ struct release_beside : on_volumes {
           e.fields, g,
           [&](const mat3<T>& gradient, int point) {
             const released<T> out =
-                M::release(e.F(point), material<M>(c), e.at(c, gradient, point));
+                M::release(e.F(point), material<M>(c), e.at(c, first_row(gradient), point));
             source[point] = e.weight(point) * out.source;
             mat3<T> P{};
             for (int d = 0; d < 3; ++d) P(0, d) = -out.flow[d];
@@ -84,12 +84,12 @@ struct release_beside : on_volumes {
   static void for_measures(const Cell& c, const Visit& visit) {
     const element_of_law<Cell> e(c);
     for_gradients(c, e, [&](const auto& measure, const auto& gradient, int point) {
-      visit(measure, e.F(point), e.at(c, gradient, point));
+      visit(measure, e.F(point), e.at(c, first_row(gradient), point));
     });
   }
   template <class Cell>
   static auto hourglass_energy(const Cell& c) {
-    return Force::deformed(plain_cell<Cell>{c}).hourglass_energy;
+    return Force::template deformed<true>(plain_cell<Cell>{c}).hourglass_energy;
   }
   /// With the weights that flow and source have in rate(): what depends on the rate of the field is
   /// due to the source.
@@ -99,7 +99,7 @@ struct release_beside : on_volumes {
     const element_of_law<Cell> e(c);
     T sum(0.0);
     for_gradients(c, e, [&](const auto& measure, const auto& gradient, int point) {
-      field_point<T> at = e.at(c, gradient, point);
+      field_point<T> at = e.at(c, first_row(gradient), point);
       at.field = e.value[point];
       const T of_both = M::dissipation(material<M>(c), at);
       at.rate = at.mean_rate;
@@ -109,7 +109,6 @@ struct release_beside : on_volumes {
     return sum;
   }
 
- private:
   /// Calls visit(measure, gradient of fields, number) for every point.
   template <class Cell, class Element, class Visit>
   static void for_gradients(const Cell& c, const Element& e, const Visit& visit) {
@@ -120,17 +119,22 @@ struct release_beside : on_volumes {
       });
     });
   }
+  template <class T>
+  static SUTURE_INLINE vec3<T> first_row(const mat3<T>& m) {
+    return {m(0, 0), m(0, 1), m(0, 2)};
+  }
   /// What the points of an element have in common.
   template <class Cell>
   struct element_of_law {
     using T = typename Cell::scalar;
     using R = typename Cell::real;
-    decltype(Force::deformed(std::declval<const plain_cell<Cell>&>())) now, moving;
+    decltype(Force::template deformed<false>(std::declval<const plain_cell<Cell>&>())) now, moving;
     vec3<T> fields[8];      ///< (u, 0, 0)
     T value[8], change[8];  ///< the field and its rate at the points
     T mean_value{0.0}, mean_change{0.0};
 
-    explicit element_of_law(const Cell& c) : now(Force::deformed(plain_cell<Cell>{c})) {
+    explicit element_of_law(const Cell& c)
+        : now(Force::template deformed<false>(plain_cell<Cell>{c})) {
       T u[8], du[8];
       for (int n = 0; n < 8; ++n) {
         u[n] = c.field(n);
@@ -139,7 +143,7 @@ struct release_beside : on_volumes {
       }
       values_at_points(u, value);
       if constexpr (follows_rates<M>) {
-        moving = Force::deformed(plain_cell<Cell, true>{c});
+        moving = Force::template deformed<false>(plain_cell<Cell, true>{c});
         for (int n = 0; n < 8; ++n) du[n] = c.field_rate(n);
         values_at_points(du, change);
         R volume(0.0);
@@ -154,12 +158,12 @@ struct release_beside : on_volumes {
     static int place(int point) { return is_mean ? 0 : point; }
     const mat3<R>& F(int point) const { return now.F[place(point)]; }
     R weight(int point) const { return now.measure[place(point)] * R(is_mean ? 0.125 : 1.0); }
-    field_point<T> at(const Cell& c, const mat3<T>& gradient, int point) const {
+    SUTURE_INLINE field_point<T> at(const Cell& c, const vec3<T>& gradient, int point) const {
       field_point<T> at{};
       at.time = c.time();
       at.dt = c.dt();
       at.field = is_mean ? mean_value : value[point];
-      for (int d = 0; d < 3; ++d) at.gradient[d] = gradient(0, d);
+      at.gradient = gradient;
       if constexpr (follows_rates<M>) {
         at.rate = change[point];
         at.mean_rate = mean_change;
@@ -194,15 +198,44 @@ template <class M, class Force, class Whole>
 struct release_at_mean : release_with_sums<M, release_beside<M, Force, Whole>> {
   static bool enabled(const values& p, std::uint32_t&) { return !is_trilinear<M>(p); }
 };
+/// The same in whole elements, with gradients of one field in place of three. `Trilinear`: the
+/// functor of trilinear elements of the same shape. One loop without calls, so that the compiler
+/// evaluates once what is the same at all points.
+template <class M, class Force, class Whole, class Trilinear>
+struct release_in_whole : release_at_mean<M, Force, Whole> {
+  template <class Cell>
+  [[gnu::noinline]] static void rate(const Cell& c) {
+    using T = typename Cell::scalar;
+    const typename release_in_whole::template element_of_law<Cell> e(c);
+    const mat3<typename Cell::real> F = e.F(0);
+    const auto inverse_at = Trilinear::inverse_at(c);
+    T u[8], r[8], source[8];
+    for (int n = 0; n < 8; ++n) u[n] = e.fields[n][0];
+    scalar_gradients<T> gradients(u), flows = scalar_gradients<T>::zero();
+    for_each_point<2, false>([&](int i, int j, int k) SUTURE_DETAIL_INLINED {
+      const int point = point_number<2>(i, j, k);
+      const auto inverse = inverse_at(i, j, k);
+      const released<T> out =
+          M::release(F, material<M>(c), e.at(c, gradients.in_space(i, j, k, inverse), point));
+      source[point] = e.weight(point) * out.source;
+      flows.subtract(i, j, k, inverse * (common_weight<2> / det(inverse)), out.flow);
+    });
+    flows.scatter(r);
+    add_to_nodes(source, r);
+    for (int n = 0; n < 8; ++n) c.rate(n, r[n]);
+  }
+};
 template <class M>
 struct mean_release_in_parallelepipeds
-    : release_at_mean<M, mean_gradient_parallelepipeds<M>, parallelepipeds<M>> {
+    : release_in_whole<M, mean_gradient_parallelepipeds<M>, parallelepipeds<M>,
+                       release_in_parallelepipeds<M>> {
   static constexpr const char* name = "release in parallelepipeds, mean gradient";
   static constexpr std::uint32_t alternative = 4;
 };
 template <class M>
 struct mean_release_in_hexahedra
-    : release_at_mean<M, mean_gradient_hexahedra<M>, general_hexahedra<M>> {
+    : release_in_whole<M, mean_gradient_hexahedra<M>, general_hexahedra<M>,
+                       release_in_general_hexahedra<M>> {
   static constexpr const char* name = "release in general hexahedra, mean gradient";
   static constexpr std::uint32_t alternative = 3;
 };

@@ -9,9 +9,9 @@
 
 namespace suture {
 
-/// Of which of the columns that steps change only some rows are up to date: several processes hold
-/// the body, and each steps rows of its own (forces/body_share.hpp). Whoever asks for such a column
-/// gets all rows, and the others then have to ask for it, too. Steps alone ask for own rows.
+/// Says which of the columns that steps change have only some rows up to date: several processes
+/// hold the body, and each steps rows of its own (forces/body_share.hpp). Whoever asks for such a
+/// column gets all rows, and the others then have to ask for it, too. Steps alone ask for own rows.
 class PartialRows {
  public:
   enum Of : unsigned { position, velocity, force };

@@ -39,7 +39,7 @@ bool keeps_state(const CompiledFunctor& functor) {
 
 }  // namespace
 
-/// Of the share, if there is one.
+/// Adds those of the share, if there is one.
 Failure ForceLoop::Impl::add_forces(double time, double dt, Part part, double* rows) {
   if (share && !others) find_share();
   for (Index i = 0; i < functors.size(); ++i) {

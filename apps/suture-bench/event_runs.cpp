@@ -120,6 +120,7 @@ void compare(const char* what, const Scene& without, const Scene& with,
                                         : "symplectic-euler")
                  .add("dt", without.solver.dt ? "fixed" : "auto")
                  .add("faces cut", static_cast<double>(last_cut.summary.faces_cut))
+                 .add("divided", static_cast<double>(last_cut.summary.elements_cut))
                  .add("without s", median(plain))
                  .add("with s", median(cut))
                  .add("with/without", median(ratios))

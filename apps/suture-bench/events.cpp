@@ -34,7 +34,7 @@ void measure_tear(Index size, bool distorted, Tear::By by, const EventOptions& o
   Tear tear;
   tear.by = by;
   tear.above = 0.3;
-  TearCheck check(tear, {}, body.complex(), "/tear");
+  TearCheck check(tear, {}, "/tear");
   const double ns = 1e9 / body.element_count(), part = options.seconds / 5;
   double force = 1e9, look = 1e9;
   for (int round = 0; round < 5; ++round) {

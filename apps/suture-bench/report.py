@@ -202,8 +202,8 @@ def machine_text(file, machine):
                             machine["compiler"], machine["system"], machine["libraries"]]) + "*\n"
 
 
-# Sections that other programs make: shape_precision.py.
-BY_OTHERS = ["Shape"]
+# Sections that other programs make: shape_precision.py, processes.py.
+BY_OTHERS = ["Shape", "Processes"]
 
 
 def sections_of(document):

@@ -43,11 +43,17 @@ void add_skip(CLI::App& app, bool& skip) {
                "also build and compute what the scene does not need (slower, same results)");
 }
 
-void add_jobs(CLI::App& app, unsigned& jobs) {
+void add_number(CLI::App& app, const std::string& option, unsigned& number, unsigned least,
+                unsigned most, const std::string& description) {
   app.add_option_function<std::string>(
-         "--jobs", [&jobs](const std::string& n) { jobs = whole_number("--jobs", n, 1, 10000); },
-         "processes at once; default: one per core")
+         option,
+         [=, &number](const std::string& n) { number = whole_number(option, n, least, most); },
+         description)
       ->type_name("N");
+}
+
+void add_jobs(CLI::App& app, unsigned& jobs) {
+  add_number(app, "--jobs", jobs, 1, 10000, "processes at once; default: one per core");
 }
 
 void add_plugin_checks(CLI::App& app, bool& check) {
@@ -145,6 +151,8 @@ struct Parser {
             [this](const std::string& d) { run.sets.push_back("/output/directory=" + d); },
             "the same as --set /output/directory=DIR")
         ->type_name("DIR");
+    add_number(*run_app, "--processes", run.processes, 1, 10000,
+               "processes that make the run together: the same as mpirun -n N suture run ...");
     add_skip(*run_app, run.skip);
     add_plugin_checks(*run_app, run.check_plugins);
     run_app->callback([this] {
@@ -196,11 +204,8 @@ struct Parser {
 
   void add_live(CLI::App& sub) {
     add_scene(sub, live.scene, live.sets);
-    sub.add_option_function<std::string>(
-           "--port",
-           [this](const std::string& n) { live.port = whole_number("--port", n, 0, 65535); },
-           "port on this machine; default: any that is free")
-        ->type_name("N");
+    add_number(sub, "--port", live.port, 0, 65535,
+               "port on this machine; default: any that is free");
     sub.add_option(
            "--host", live.host,
            "address of this machine at which others may connect, 0.0.0.0 for all; who knows "
@@ -280,11 +285,7 @@ struct Parser {
   }
   void add_modes(CLI::App& sub) {
     add_scene(sub, modes.scene, modes.sets);
-    sub.add_option_function<std::string>(
-           "--count",
-           [this](const std::string& n) { modes.count = whole_number("--count", n, 1, 10000); },
-           "number of modes, the lowest first; default 10")
-        ->type_name("N");
+    add_number(sub, "--count", modes.count, 1, 10000, "modes, the lowest first; default 10");
     sub.add_option_function<std::string>(
            "--at", [this](const std::string& at) { modes.at_equilibrium = is_equilibrium(at); },
            "the state about which the body vibrates: rest (default), or the static equilibrium at "

@@ -20,6 +20,7 @@ struct RunCommand {
   std::filesystem::path scene, resume;  ///< exactly one is set
   std::vector<std::string> sets;
   bool skip = true, check_plugins = false;
+  unsigned processes = 1;  ///< that make the run together
 };
 struct LiveCommand {
   std::filesystem::path scene, recording;  ///< "": a name made from that of the scene

@@ -6,6 +6,7 @@
 #include "apps/suture/processes.hpp"
 #include "apps/suture/signals.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/out_of_memory.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/plugin_host/plugin_faults.hpp"
 
@@ -55,6 +56,10 @@ int guarded(Console& console, F&& f) {
   } catch (const Error& error) {
     console.error(error.what());
     return error.exit_code();
+  } catch (const OutOfMemory& error) {
+    console.error(std::string("out of memory: ") + error.what() +
+                  "; 'suture explain' shows how much a scene needs");
+    return 6;
   } catch (const std::bad_alloc&) {
     console.error("out of memory; 'suture explain' shows how much a scene needs");
     return 6;

@@ -6,7 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <thread>
+#include <vector>
+
+#include "kernel/base/error.hpp"
 
 namespace suture {
 namespace {
@@ -25,7 +31,35 @@ unsigned allowed_cores() {
   return static_cast<unsigned>(CPU_COUNT(&cores));
 }
 
+/// The words of this command.
+std::vector<std::string> own_words() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  return words;
+}
+
 }  // namespace
+
+/// More processes than cores are allowed, none is bound to a core, and root may do this, too. Other
+/// launchers do not read what Open MPI is told here.
+void start_processes(unsigned number) {
+  setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
+  setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
+  std::vector<std::string> words{"mpirun", "-n", std::to_string(number)};
+  std::vector<std::string> own = own_words();
+  own.at(0) = std::filesystem::read_symlink("/proc/self/exe");
+  words.insert(words.end(), own.begin(), own.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  execvp(argv[0], argv.data());
+  throw InputError(
+      "--processes needs mpirun, the launcher of MPI, which cannot be started (Debian: "
+      "openmpi-bin)");
+}
 
 Communicator* enter_processes(Console& console) {
   if (!is_one_of_several()) return nullptr;
@@ -41,6 +75,17 @@ unsigned threads_of_each(Communicator& processes) {
   const auto here = std::ranges::count(machines, machines[processes.rank()]);
   const auto share = std::thread::hardware_concurrency() / static_cast<unsigned>(here);
   return std::clamp(share, 1u, allowed_cores());
+}
+
+std::string describe_traffic(const Communicator& processes, std::uint64_t steps) {
+  const Communicator::Traffic& sent = processes.traffic();
+  const auto per_step = [&](std::uint64_t number) {
+    return short_number(static_cast<double>(number) /
+                        static_cast<double>(std::max<std::uint64_t>(steps, 1)));
+  };
+  return "process 0 sent per step " + per_step(sent.bytes) + "B in " + per_step(sent.messages) +
+         " messages to single processes, and " + per_step(sent.exchanged_bytes) + "B in " +
+         per_step(sent.exchanges) + " exchanges of all";
 }
 
 void leave_processes() { joined.reset(); }

@@ -181,6 +181,7 @@ void report_threads(unsigned wanted, unsigned used, Console& console) {
 }  // namespace
 
 int run(const RunCommand& command, Console& console) {
+  if (command.processes > 1 && !is_one_of_several()) start_processes(command.processes);
   catch_signals();
   Communicator* const processes = enter_processes(console);
   const bool writes = !processes || processes->rank() == 0;
@@ -229,6 +230,7 @@ int run(const RunCommand& command, Console& console) {
   const RunSummary summary = run(simulation, recording, scene, watcher, console);
   if (!console.quiet()) print_summary(summary, console);
   print_costs(simulation.costs(), summary.seconds, console);
+  if (processes && console.verbose()) console.print(describe_traffic(*processes, summary.steps));
   if (summary.outcome == RunSummary::Outcome::unstable_equilibrium)
     return NumericalError("").exit_code();
   return summary.outcome == RunSummary::Outcome::interrupted ? 128 + watcher.signal() : 0;

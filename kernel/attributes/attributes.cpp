@@ -244,6 +244,7 @@ void Attributes::sum_again(Instance& instance, const CellComplex& complex) {
 void Attributes::apply(const CellComplex& complex, const TopologyChange& change) {
   if (change.empty()) return;
   ++operations_;
+  complete_rows();
   add_copies(complex, change.copies);
   merge_vertices(complex, change);  // then elements have the right rest places
   follow(kernel_, complex, change, kernel(0).columns.size());  // merged above
@@ -291,7 +292,14 @@ void Attributes::merge_vertices(const CellComplex& complex, const TopologyChange
                                                                                 vertex_weights_);
 }
 
+void Attributes::complete_rows() {
+  position();
+  velocity();
+  force();
+}
+
 void Attributes::bring_together(const std::vector<std::pair<Index, Index>>& equal) {
+  complete_rows();
   const auto give_mean = [](Column& column, int c, const std::vector<Index>& group, auto weight) {
     double sum = 0, all = 0;
     for (const Index v : group) {

@@ -10,6 +10,7 @@
 #include "kernel/attributes/instance.hpp"
 #include "kernel/attributes/merging.hpp"
 #include "kernel/attributes/own_rest.hpp"
+#include "kernel/attributes/partial_rows.hpp"
 #include "kernel/attributes/policies.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/attributes/touched.hpp"
@@ -89,9 +90,10 @@ class Attributes {
 
   // The kernel's vertex columns, rows of 4 doubles (x, y, z, unused).
   Column& rest() { return *rest_; }
-  Column& position() { return *position_; }
-  Column& velocity() { return *velocity_; }
-  Column& force() { return *force_; }
+  Column& position() { return partial_rows_.whole(PartialRows::position, *position_); }
+  Column& velocity() { return partial_rows_.whole(PartialRows::velocity, *velocity_); }
+  Column& force() { return partial_rows_.whole(PartialRows::force, *force_); }
+  PartialRows& partial_rows() { return partial_rows_; }
   Column& mass() { return *mass_; }                     ///< kg, rows of 1
   Column& fixed() { return *fixed_; }                   ///< rows of 1
   Index vertex_count() const { return mass_->size(); }  ///< rows, dead ones included
@@ -143,6 +145,7 @@ class Attributes {
   void merge_vertices(const CellComplex& complex, const TopologyChange& change);
   void clear_vertices(const TopologyChange& change);
   void clear_vertex(Index vertex);
+  void complete_rows();
   void kernel_tables(Archive& archive);
   void motion(Archive& archive);
   void forces(Archive& archive);
@@ -150,6 +153,7 @@ class Attributes {
   std::array<Table, 4> kernel_;
   std::vector<std::unique_ptr<Instance>> instances_;
   Column *rest_, *position_, *velocity_, *force_, *mass_, *fixed_;
+  PartialRows partial_rows_;
   std::deque<VertexField> fields_;
   TouchedElements touched_;
   OwnRest own_rest_;

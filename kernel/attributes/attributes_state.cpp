@@ -149,6 +149,7 @@ void Attributes::parameters(Archive& archive, const CellComplex& complex) {
 
 void Attributes::state(Archive& archive) {
   if (archive.has_cells()) {
+    complete_rows();
     const bool opens_lips =  // when it is built
         std::ranges::any_of(instances_, [](const auto& i) { return !i->lips.empty(); });
     const bool is_fresh = operations_ == (opens_lips ? 1 : 0);

@@ -7,6 +7,7 @@
 
 #include "kernel/base/archive.hpp"
 #include "kernel/base/bulk.hpp"
+#include "kernel/base/out_of_memory.hpp"
 
 namespace suture {
 
@@ -35,12 +36,24 @@ std::size_t Column::storage(Index rows) const {
   return block_offset(rows / lanes + (rows % lanes != 0 ? 1 : 0));
 }
 
+namespace {
+
+void reserve(AlignedVector<double>& data, std::size_t numbers, const std::string& name) {
+  try {
+    data.reserve(numbers);
+  } catch (const std::bad_alloc&) {
+    throw OutOfMemory(("column '" + name + "'").c_str(), double(numbers) * sizeof(double));
+  }
+}
+
+}  // namespace
+
 void Column::grow(AlignedVector<double>& data, Index rows) const {
   const std::size_t needed = storage(rows);
   // A cut adds rows a few at a time; copying a column of a million rows for the
   // first of them would cost more than the cut.
   if (needed > data.capacity()) {
-    data.reserve(2 * needed);
+    reserve(data, 2 * needed, spec_.name);
     // But for the page between, which would hold little for as long as nothing is cut.
     prefer_large_pages(data.data(), needed * sizeof(double));
     prefer_large_pages(data.data() + needed, needed * sizeof(double));
@@ -170,7 +183,7 @@ double* Column::block(Index b) {
 void Column::expand() {
   if (!constant_) return;
   const AlignedVector<double> one = data_;
-  data_.reserve(2 * storage(size_));
+  reserve(data_, 2 * storage(size_), spec_.name);
   data_.resize(storage(size_));
   for (std::size_t at = 0; at < data_.size(); at += one.size())
     std::copy(one.begin(), one.end(), data_.begin() + static_cast<std::ptrdiff_t>(at));

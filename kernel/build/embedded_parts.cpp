@@ -66,17 +66,8 @@ void EmbeddedParts::append(const Parts& added, std::span<const Index> origins, I
     parts_.triangles.push_back(corners);
   }
   const Index first_copy = added.elements.empty() ? none : added.elements.front();
-  cut_of_triangle_.resize(parts_.triangles.size(), none);
-  for (std::size_t t = first_triangle; t < parts_.triangles.size(); ++t) {
-    if (parts_.is_cut[t] == 0) continue;
-    const Index element = parts_.points[parts_.triangles[t][0]].element;
-    const Index before =
-        element < first_copy ? none : cut_before(origins[element - first_copy], triangle(t));
-    cut_of_triangle_[t] = before == none ? cut : before;
-  }
+  inherit_cuts(first_triangle, first_copy, origins, cut);
   inherit_sides(first_copy, origins);
-  for (const Index e : origins) lips_of_.erase(e);
-  number_lips(first_triangle);
   for (const Index e : origins)
     if (!parts_.outer_sides.empty())
       parts_.outer_sides.push_back(std::uint8_t{parts_.outer_sides[e]});
@@ -90,8 +81,7 @@ void EmbeddedParts::refine(const RefinedParts& refined) {
   parts_.points.insert(parts_.points.end(), refined.parts.points.begin(),
                        refined.parts.points.end());
   replace_tetrahedra(refined.parts, first_point);
-  const std::size_t first_triangle = parts_.triangles.size();
-  cut_of_triangle_.resize(first_triangle, none);
+  cut_of_triangle_.resize(parts_.triangles.size(), none);
   std::unordered_set<Index> replaced;
   for (std::size_t t = 0; t < refined.sources.size(); ++t) {
     auto corners = refined.parts.triangles[t];
@@ -106,7 +96,6 @@ void EmbeddedParts::refine(const RefinedParts& refined) {
     cut_of_triangle_.push_back(Index{cut_of_triangle_[source]});
   }
   take_new_points(parts_, first_point);
-  number_lips(first_triangle);
 }
 
 void EmbeddedParts::replace_tetrahedra(const Parts& refined, Index first_point) {
@@ -142,13 +131,32 @@ LipTriangle EmbeddedParts::triangle(std::size_t t) const {
   return LipTriangle({parts_.points[a].at, parts_.points[b].at, parts_.points[c].at});
 }
 
-/// The cut that had made the lip of an origin on which a triangle of its copy lies.
-Index EmbeddedParts::cut_before(Index origin, const LipTriangle& of_copy) const {
-  const auto lips = lips_of_.find(origin);
-  if (lips == lips_of_.end()) return none;
-  for (const Index t : lips->second)
-    if (triangle(t).covers(of_copy)) return cut_of_triangle_[t];
-  return none;
+/// The triangles of lips from `first_triangle` on are of this cut, except those of copies that lie
+/// on lips of their origins, which ascend. O(triangles).
+void EmbeddedParts::inherit_cuts(std::size_t first_triangle, Index first_copy,
+                                 std::span<const Index> origins, Index cut) {
+  cut_of_triangle_.resize(parts_.triangles.size(), none);
+  const auto element = [&](std::size_t t) { return parts_.points[parts_.triangles[t][0]].element; };
+  std::vector<bool> is_origin(origins.empty() ? 0 : origins.back() + std::size_t{1});
+  for (const Index e : origins) is_origin[e] = true;
+  std::vector<std::pair<Index, Index>> lips;  // origin, triangle
+  for (std::size_t t = 0; t < first_triangle; ++t)
+    if (parts_.is_cut[t] != 0 && element(t) < is_origin.size() && is_origin[element(t)])
+      lips.emplace_back(element(t), static_cast<Index>(t));
+  std::ranges::sort(lips);
+  for (std::size_t t = first_triangle; t < parts_.triangles.size(); ++t) {
+    if (parts_.is_cut[t] == 0) continue;
+    cut_of_triangle_[t] = cut;
+    if (element(t) < first_copy) continue;
+    const Index origin = origins[element(t) - first_copy];
+    const LipTriangle of_copy = triangle(t);
+    const auto first = std::ranges::lower_bound(lips, std::pair(origin, Index{0})),
+               last = std::ranges::lower_bound(lips, std::pair(origin + 1, Index{0}));
+    const auto lip = std::find_if(
+        first, last, [&](const auto& pair) { return triangle(pair.second).covers(of_copy); });
+    if (lip != last && cut_of_triangle_[lip->second] != none)
+      cut_of_triangle_[t] = Index{cut_of_triangle_[lip->second]};
+  }
 }
 
 void EmbeddedParts::inherit_sides(Index first, std::span<const Index> origins) {
@@ -201,14 +209,6 @@ void EmbeddedParts::close(std::vector<Dart> closed) {
   parts_.triangles.resize(kept);
   cut_of_triangle_.resize(kept);
   parts_.is_cut.resize(kept);
-  lips_of_.clear();
-  number_lips(0);
-}
-
-void EmbeddedParts::number_lips(std::size_t first) {
-  for (std::size_t t = first; t < parts_.triangles.size(); ++t)
-    if (parts_.is_cut[t] != 0)
-      lips_of_[parts_.points[parts_.triangles[t][0]].element].push_back(static_cast<Index>(t));
 }
 
 void EmbeddedParts::state(Archive& archive) {
@@ -233,8 +233,6 @@ void EmbeddedParts::state(Archive& archive) {
   if (!archive.loads()) return;
   cut_of_side_.clear();
   for (const auto& [side, cut] : sides) cut_of_side_[side] = cut;
-  lips_of_.clear();
-  number_lips(0);
 }
 
 }  // namespace suture

@@ -48,16 +48,15 @@ class EmbeddedParts final : public Follower {
 
  private:
   LipTriangle triangle(std::size_t t) const;
-  Index cut_before(Index origin, const LipTriangle& triangle) const;
+  void inherit_cuts(std::size_t first_triangle, Index first_copy, std::span<const Index> origins,
+                    Index cut);
   void inherit_sides(Index first, std::span<const Index> origins);
   void close(std::vector<Dart> sides);
-  void number_lips(std::size_t first);
   void replace_tetrahedra(const Parts& refined, Index first_point);
 
   Parts parts_;
-  std::vector<Index> cut_of_triangle_;                     ///< of the parts; none: of no cut
-  std::unordered_map<Dart, Index> cut_of_side_;            ///< by first dart
-  std::unordered_map<Index, std::vector<Index>> lips_of_;  ///< triangles of lips, by element
+  std::vector<Index> cut_of_triangle_;           ///< of the parts; none: of no cut
+  std::unordered_map<Dart, Index> cut_of_side_;  ///< by first dart
   bool has_grown_ = false;
   Embedding embedding_;
   bool is_current_ = false;

@@ -82,20 +82,19 @@ class NearestSearch {
  public:
   explicit NearestSearch(const Selection::Nearest& wanted) : wanted_(wanted) {}
 
-  /// Looks at blocks from the nearest one on.
+  /// Looks at groups of blocks from the nearest one on, and so at the blocks of each.
   template <class Place>
   void look(const ElementBlocks* blocks, Index count, Place place) {
-    const std::vector<Box> boxes = blocks ? blocks->boxes() : std::vector{everywhere};
-    const Index size = blocks ? ElementBlocks::size : count;
-    std::vector<std::pair<double, Index>> order;
-    for (const Box& box : boxes)
-      order.emplace_back(least_distance(box, wanted_.point), static_cast<Index>(order.size()));
-    std::ranges::sort(order);
-    for (const auto& [distance, block] : order) {
-      if (distance > nearest_ + wanted_.tie) break;
-      for (Index cell = block * size; cell < std::min((block + 1) * size, count); ++cell)
-        if (const std::optional<Vec3> p = place(cell)) add(cell, norm(minus(*p, wanted_.point)));
-    }
+    if (!blocks) return look_at(0, count, place);
+    constexpr Index size = ElementBlocks::size, per_group = ElementBlocks::group_size / size;
+    const auto group_box = [&](Index group) { return blocks->group_box(group); };
+    const auto box = [&](Index block) { return blocks->box(block); };
+    by_distance(0, blocks->groups(), group_box, [&](Index group) {
+      const Index first = group * per_group, last = std::min(first + per_group, blocks->blocks());
+      by_distance(first, last, box, [&](Index block) {
+        look_at(block * size, std::min((block + 1) * size, count), place);
+      });
+    });
   }
 
   std::vector<Index> found() const {
@@ -106,6 +105,23 @@ class NearestSearch {
   }
 
  private:
+  /// Calls visit(i) from the nearest box(i) on, up to those that are too far away.
+  template <class BoxOf, class Visit>
+  void by_distance(Index first, Index last, BoxOf box, Visit visit) {
+    std::vector<std::pair<double, Index>> order;
+    for (Index i = first; i < last; ++i)
+      order.emplace_back(least_distance(box(i), wanted_.point), i);
+    std::ranges::sort(order);
+    for (const auto& [distance, i] : order) {
+      if (distance > nearest_ + wanted_.tie) break;
+      visit(i);
+    }
+  }
+  template <class Place>
+  void look_at(Index first, Index last, Place place) {
+    for (Index cell = first; cell < last; ++cell)
+      if (const std::optional<Vec3> p = place(cell)) add(cell, norm(minus(*p, wanted_.point)));
+  }
   void add(Index cell, double distance) {
     if (!(distance <= nearest_ + wanted_.tie)) return;
     nearest_ = std::min(nearest_, distance);
@@ -320,7 +336,8 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
   return result;
 }
 
-std::vector<Index> Selector::elements(const Selection& selection) const {
+std::vector<Index> Selector::elements(const Selection& selection,
+                                      const ElementBlocks* at_rest) const {
   std::vector<Index> result = listed_elements(selection);
   if (const auto* named = std::get_if<Selection::Named>(&selection.what); named && result.empty())
     throw InputError(selection.path + ": no element belongs to the set " + quote(named->set) +
@@ -328,7 +345,7 @@ std::vector<Index> Selector::elements(const Selection& selection) const {
                           ? "; it fills most of no element: use more cells, or give its values in "
                             "a table of one model, where it counts by volume"
                           : ""));
-  if (result.empty()) result = located_elements(selection, rest_.rows());
+  if (result.empty()) result = located_elements(selection, rest_.rows(), at_rest);
   if (result.empty()) {
     throw InputError(selection.path +
                      ": the selection contains no element (elements are selected by their "

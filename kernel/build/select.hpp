@@ -49,8 +49,10 @@ class Selector {
   std::vector<Index> vertices(const Selection& selection) const;
   /// The same during a run, by where vertex v is then: rows[4 v]. May be empty.
   std::vector<Index> vertices_now(const Selection& selection, const double* rows) const;
-  /// Elements whose centroid is selected (for ids and sets, the named elements).
-  std::vector<Index> elements(const Selection& selection) const;
+  /// Elements whose centroid is selected (for ids and sets, the named elements). With the blocks
+  /// `at_rest`, only those nearby are looked at.
+  std::vector<Index> elements(const Selection& selection,
+                              const ElementBlocks* at_rest = nullptr) const;
   /// The same for ids and sets; empty for other selections, and for an empty set.
   std::vector<Index> listed_elements(const Selection& selection) const;
   /// The same during a run: the remaining elements, by their centroids, where vertex v is at rows[4

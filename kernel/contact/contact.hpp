@@ -224,8 +224,12 @@ class Contact final : public ContactLaw {
   void push_points(double dt);
   void group_points();
   void push_group(std::span<const Grouped> group, double dt);
+  void sweep_group(std::span<const Grouped> group, bool has_pairs, double dt);
   std::array<double, 2> sweep_points(std::span<const Grouped> group, double dt);
   Vec3 push_point(std::size_t i, double dt);
+  void change_point(std::size_t i, const Vec3& by, double dt);
+  double way_of_point(std::size_t i) const;
+  double find_closing_speed();
   Vec3 change_of(std::size_t i, const Vec3& end, const Vec3& velocity, double dt);
   void add_point(const ContactPoint& point);
   void book_points(const ContactStep& step);
@@ -264,9 +268,12 @@ class Contact final : public ContactLaw {
   std::optional<CuttingEdges> edges_;
   std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
-  std::vector<PointMass> point_masses_;       ///< of pushed_, with points
-  std::vector<Vec3> directions_, residuals_;  ///< of the changes of pushed_, with points, m/s
-  std::vector<Grouped> grouped_;              ///< all of pushed_, with points
+  // Of pushed_, with points:
+  std::vector<PointMass> point_masses_;
+  std::vector<Vec3> directions_, residuals_;  ///< of the changes, m/s
+  std::vector<double> seen_;           ///< what the ways of its vertices were when it was pushed, m
+  std::vector<Grouped> grouped_;       ///< all of them
+  std::vector<double> ways_;           ///< by place in near_: how far pushes have taken a vertex, m
   std::vector<Index> near_of_vertex_;  ///< in near_, with points or edges; none outside a step
   std::vector<Index> shared_;          ///< places in pushed_ of those that pieces touch, too
   // Results of the last step.

@@ -27,17 +27,6 @@ PlaceGrid grid_of(const BoundarySurface& surface, const Meeting& meeting, const 
   return {entries, 3 * reach, 2 * reach};
 }
 
-/// By counting: pairs are in the order of faces.
-std::vector<NearPair> sorted_once(std::span<const NearPair> pairs, std::size_t vertices) {
-  std::vector<Index> next(vertices + 1, 0);
-  for (const NearPair& pair : pairs) ++next[pair.vertex + 1];
-  for (std::size_t v = 0; v < vertices; ++v) next[v + 1] += next[v];
-  std::vector<NearPair> sorted(pairs.size());
-  for (const NearPair& pair : pairs) sorted[next[pair.vertex]++] = pair;
-  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-  return sorted;
-}
-
 }  // namespace
 
 std::vector<NearPair> near_pairs(const BoundarySurface& surface, const Meeting& meeting,
@@ -59,6 +48,16 @@ std::vector<NearPair> near_pairs(const BoundarySurface& surface, const Meeting& 
     }
   }
   return sorted_once(pairs, meeting.piece_of.size());
+}
+
+std::vector<NearPair> sorted_once(std::span<const NearPair> pairs, std::size_t vertices) {
+  std::vector<Index> next(vertices + 1, 0);
+  for (const NearPair& pair : pairs) ++next[pair.vertex + 1];
+  for (std::size_t v = 0; v < vertices; ++v) next[v + 1] += next[v];
+  std::vector<NearPair> sorted(pairs.size());
+  for (const NearPair& pair : pairs) sorted[next[pair.vertex]++] = pair;
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  return sorted;
 }
 
 }  // namespace suture

@@ -28,5 +28,8 @@ struct Meeting {
 /// similar size, and never more than O(vertices) for a face.
 std::vector<NearPair> near_pairs(const BoundarySurface& surface, const Meeting& meeting,
                                  const double* positions, double reach);
+/// Pairs in the order of faces, sorted by vertex and face, each of them once; O(vertices + pairs).
+/// The numbers of vertices are below `vertices`.
+std::vector<NearPair> sorted_once(std::span<const NearPair> pairs, std::size_t vertices);
 
 }  // namespace suture

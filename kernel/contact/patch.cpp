@@ -33,7 +33,7 @@ SUTURE_INLINE Space<T> operator*(const T& s, const Space<T>& a) {
   return {s * a.x, s * a.y, s * a.z};
 }
 template <class T>
-SUTURE_INLINE T dot(const Space<T>& a, const Space<T>& b) {
+SUTURE_INLINE T inner(const Space<T>& a, const Space<T>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <class T>
@@ -64,8 +64,8 @@ SUTURE_INLINE Eight root(const Eight& a) {
 template <class T>
 SUTURE_INLINE void improve(T& r, T& s, const Space<T>& a, const Space<T>& b,
                            const Space<T>& offset) {
-  const T aa = dot(a, a), ab = dot(a, b), bb = dot(b, b);
-  const T fa = dot(a, offset), fb = dot(b, offset), det = aa * bb - ab * ab, zero{};
+  const T aa = inner(a, a), ab = inner(a, b), bb = inner(b, b);
+  const T fa = inner(a, offset), fb = inner(b, offset), det = aa * bb - ab * ab, zero{};
   const T free_r = r + (bb * fa - ab * fb) / det, free_s = s + (aa * fb - ab * fa) / det;
   const T near_r = clamped(free_r), near_s = clamped(free_s);
   const T side_s = clamped(s + (fb - ab * (near_r - r)) / bb);
@@ -97,7 +97,7 @@ SUTURE_INLINE FootOf<T> foot_on(const std::array<Space<T>, 4>& corners, const Sp
     if (i < iterations) improve(foot.r, foot.s, a, b, foot.offset);
   }
   const Space<T> normal = cross(a, b);
-  const T length = root(dot(normal, normal));
+  const T length = root(inner(normal, normal));
   const T factor = length > zero ? one / length : zero;
   foot.normal = {factor * normal.x, factor * normal.y, length > zero ? factor * normal.z : one};
   return foot;
@@ -124,9 +124,9 @@ SUTURE_INLINE void find_eight(const double* positions, const BoundarySurface::Co
       load(of_face[i], l, positions + 4 * std::size_t{corners[pair.face][i]});
   }
   const FootOf<Eight> foot = foot_on(of_face, place);
-  const Eight gap = dot(foot.offset, foot.normal);
+  const Eight gap = inner(foot.offset, foot.normal);
   const Space<Eight> beside = foot.offset - gap * foot.normal;
-  const Eight distance = root(dot(foot.offset, foot.offset)), off = root(dot(beside, beside));
+  const Eight distance = root(inner(foot.offset, foot.offset)), off = root(inner(beside, beside));
   for (std::size_t l = 0; l < count; ++l)
     feet[l] = {foot.r[l], foot.s[l],   {foot.normal.x[l], foot.normal.y[l], foot.normal.z[l]},
                gap[l],    distance[l], off[l]};
@@ -149,15 +149,15 @@ SUTURE_INLINE void find_eight_planes(const double* positions,
       load(at[i], l, positions + 4 * std::size_t{corners[l < count ? l : count - 1][i]});
   const Eight zero{}, one = zero + 1.0, quarter = zero + 0.25;
   const Space<Eight> area = cross(at[2] - at[0], at[3] - at[1]);
-  const Eight length = root(dot(area, area));
+  const Eight length = root(inner(area, area));
   const Eight inverse = length > zero ? one / length : zero;
   const Space<Eight> normal = inverse * area;
   const Space<Eight> centre = quarter * ((at[0] + at[1]) + (at[2] + at[3]));
-  const Eight above = dot(normal, at[0] - centre), height = above < zero ? -above : above;
+  const Eight above = inner(normal, at[0] - centre), height = above < zero ? -above : above;
   Eight squared = zero;
   for (const Space<Eight>& corner : at) {
     const Space<Eight> arm = corner - centre;
-    const Eight here = dot(arm, arm);
+    const Eight here = inner(arm, arm);
     squared = squared < here ? here : squared;
   }
   const Eight radius = root(squared), lean = 16 * height * radius * inverse;

@@ -11,7 +11,7 @@
 namespace suture {
 namespace {
 
-constexpr std::size_t lanes = 8;
+constexpr std::size_t eight = 8;
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 typedef double Eight __attribute__((vector_size(64), aligned(8), may_alias));
 
@@ -36,12 +36,12 @@ Index* find_in(const Columns& columns, std::size_t first, std::size_t last, cons
   const auto at = [](const double* p) __attribute__((always_inline)) {
     return *reinterpret_cast<const Eight*>(p);
   };
-  for (std::size_t i = first; i < last; i += lanes) {
+  for (std::size_t i = first; i < last; i += eight) {
     const Eight inside = least(least(depth(at(columns.x + i), box.low[0], box.high[0]),
                                      depth(at(columns.y + i), box.low[1], box.high[1])),
                                depth(at(columns.z + i), box.low[2], box.high[2]));
     const Eight result = at(columns.pieces + i) == except ? Eight{} - 1.0 : inside;
-    for (std::size_t l = 0; l < lanes; ++l) {
+    for (std::size_t l = 0; l < eight; ++l) {
       *found = columns.items[i + l];
       found += result[l] >= 0;
     }
@@ -64,9 +64,9 @@ PlaceGrid::PlaceGrid(std::span<const Entry> entries, double cell, double before)
   }
   for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
   std::vector<Index> next(start_.begin(), start_.end() - 1);
-  for (auto& coordinates : places_) coordinates.assign(entries.size() + lanes, nowhere);
-  items_.resize(entries.size() + lanes);
-  pieces_.resize(entries.size() + lanes);
+  for (auto& coordinates : places_) coordinates.assign(entries.size() + eight, nowhere);
+  items_.resize(entries.size() + eight);
+  pieces_.resize(entries.size() + eight);
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const Index to = next[slots[i]]++;
     for (std::size_t c = 0; c < 3; ++c) places_[c][to] = entries[i].place[c];
@@ -97,8 +97,8 @@ std::span<const Index> PlaceGrid::find(const Box& box, Index except) {
 void PlaceGrid::scan(const Box& box, Index except, std::size_t first, std::size_t last) {
   const std::size_t begin = start_[first], end = start_[last];
   if (begin == end) return;
-  if (found_.size() < count_ + (end - begin) + lanes)
-    found_.resize(2 * count_ + end - begin + lanes);
+  if (found_.size() < count_ + (end - begin) + eight)
+    found_.resize(2 * count_ + end - begin + eight);
   const Columns columns{places_[0].data(), places_[1].data(), places_[2].data(), pieces_.data(),
                         items_.data()};
   Index* const found = found_.data() + count_;

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "kernel/base/rows.hpp"
-#include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/contact/place_grid.hpp"
 #include "kernel/geometry/surface_tree.hpp"
@@ -23,7 +22,7 @@ void PointPairs::find(const LiveMask* moving) {
   find_normals();
   for (auto first = near_.begin(); first != near_.end();) {
     const auto last = std::find_if(first, near_.end(),
-                                   [&](const Near& near) { return near.point != first->point; });
+                                   [&](const Near& near) { return near.vertex != first->vertex; });
     add_nearest({first, last}, moving);
     first = last;
   }
@@ -60,16 +59,16 @@ void PointPairs::find_near() {
     entries.push_back({place(p), p, piece_of_[p]});
   }
   PlaceGrid grid(entries, 3 * reach, 2 * reach);
-  near_.clear();
+  std::vector<Near> near;
   for (Index t = 0; t < points_.triangles().size(); ++t) {
     Box box = no_box;
     for (const Index p : points_.triangles()[t]) include(box, place(p));
     const bool may_be_same = options_.self || points_.is_laid_open(t);
     const Index except = may_be_same ? none : piece_of_[points_.triangles()[t][0]];
     for (const Index p : grid.find(enlarged(box, reach), except))
-      if (may_touch(p, t)) near_.push_back({p, t});
+      if (may_touch(p, t)) near.push_back({p, t});
   }
-  sort_unique(near_);
+  near_ = sorted_once(near, points_.size());
   find_around_near();
 }
 
@@ -77,8 +76,15 @@ void PointPairs::find_near() {
 /// all that find_normals() visits in a step.
 void PointPairs::find_around_near() {
   is_near_.assign(points_.size(), 0);
+  std::vector<std::uint8_t> is_corner(points_.size(), 0);
   std::vector<std::uint8_t> is_around(points_.triangles().size(), 0);
-  for (const auto& [point, triangle] : near_) is_near_[point] = is_around[triangle] = 1;
+  for (const auto& [point, triangle] : near_) {
+    is_near_[point] = is_around[triangle] = 1;
+    for (const Index corner : points_.triangles()[triangle]) is_corner[corner] = 1;
+  }
+  near_points_.clear();
+  for (Index p = 0; p < points_.size(); ++p)
+    if ((is_near_[p] | is_corner[p]) != 0) near_points_.push_back(p);
   around_near_.clear();
   for (Index t = 0; t < is_around.size(); ++t) {
     const auto& corners = points_.triangles()[t];
@@ -107,33 +113,36 @@ bool PointPairs::may_touch(Index point, Index triangle) const {
 // -------------------------------------------------------------------- in a step --
 
 void PointPairs::find_normals() {
-  areas_.resize(points_.triangles().size());
+  planes_.resize(points_.triangles().size());
   normals_.resize(points_.size());
-  for (const Near& near : near_) normals_[near.point] = {};
+  for (const Near& near : near_) normals_[near.vertex] = {};
   for (const Index t : around_near_) {
-    const auto& [a, b, c] = points_.triangles()[t];
-    areas_[t] = cross(minus(place(b), place(a)), minus(place(c), place(a)));
-    for (const Index p : {a, b, c})
-      if (is_near_[p] != 0) normals_[p] = plus(normals_[p], areas_[t]);
+    const auto& corners = points_.triangles()[t];
+    const Vec3 at = place(corners[0]);
+    const Vec3 area = cross(minus(place(corners[1]), at), minus(place(corners[2]), at));
+    const double size = norm(area);
+    const Vec3 normal = size > 0 ? scaled(1 / size, area) : Vec3{};
+    planes_[t] = {normal, dot(normal, at)};
+    for (const Index p : corners)
+      if (is_near_[p] != 0) normals_[p] = plus(normals_[p], area);
   }
 }
 
 /// The nearest triangle that looks at the point. Lips that have just been made have the same places
 /// on both sides.
 void PointPairs::add_nearest(std::span<const Near> of_point, const LiveMask* moving) {
-  const Index p = of_point.front().point;
+  const Index p = of_point.front().vertex;
   const Vec3 at = place(p);
+  const double same = same_side * norm(normals_[p]);
   double least = max_depth_ * edge_;
   Index nearest = none;
   Vec3 weights{}, towards{};
   for (const auto& [point, triangle] : of_point) {
-    const double size = norm(areas_[triangle]);
-    if (!(size > 0) || dot(normals_[p], areas_[triangle]) > same_side * size * norm(normals_[p]))
-      continue;
-    const auto& [a, b, c] = points_.triangles()[triangle];
-    const Vec3 normal = scaled(1 / size, areas_[triangle]);
-    const double gap = dot(minus(at, place(a)), normal);  // no point of it is nearer
+    const auto& [normal, offset_of_plane] = planes_[triangle];
+    const double gap = dot(at, normal) - offset_of_plane;  // no point of it is nearer
     if (gap > margin * edge_ || std::abs(gap) >= least) continue;
+    if (normal == Vec3{} || dot(normals_[p], normal) > same) continue;
+    const auto& [a, b, c] = points_.triangles()[triangle];
     const Weights of = nearest_in(place(a), place(b), place(c), at);
     const Vec3 foot =
         plus(scaled(of.a, place(a)), plus(scaled(of.b, place(b)), scaled(of.c, place(c))));

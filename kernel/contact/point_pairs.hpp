@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/contact/near_pairs.hpp"
 #include "kernel/contact/piece_contact.hpp"
 #include "kernel/contact/surface_points.hpp"
 
@@ -41,9 +42,11 @@ class PointPairs {
   void follow() { is_stale_ = true; }
   /// False if there is one piece without lips that does not touch itself; after find().
   bool may_meet() const { return may_meet_; }
+  /// The points that may meet a triangle, and the corners of these triangles, ascending.
+  std::span<const Index> near_points() const { return near_points_; }
 
   /// Finds the pairs that may touch at the places of the points (SurfacePoints::positions). In each
-  /// step a pass over the surface; a search when a point has moved by a quarter of an edge.
+  /// step a pass over the surface; a search when a point has moved by an eighth of an edge.
   /// `moving`: vertices; pairs of which none moves are left out. Null: all.
   void find(const LiveMask* moving = nullptr);
   std::size_t size() const { return pairs_.size(); }
@@ -71,7 +74,7 @@ class PointPairs {
  private:
   // In edges: how far things move before pairs are sought again; how far in front of a triangle and
   // beside it a point may yet be pushed; rounding at rest.
-  static constexpr double skin = 0.5, margin = 0.1, beside = 0.05, level = 1e-4;
+  static constexpr double skin = 0.25, margin = 0.1, beside = 0.05, level = 1e-4;
   /// In edges: what is farther apart at rest may touch although material is in between.
   static constexpr double far_apart = 2;
   /// Cosine of the angle of two normals above which their surfaces face the same way.
@@ -84,10 +87,7 @@ class PointPairs {
   static constexpr double least_lever = 0.05;
   /// Squared, of a normal along which hardly anything can move.
   static constexpr double least_free = 1e-3;
-  struct Near {
-    Index point, triangle;
-    auto operator<=>(const Near&) const = default;
-  };
+  using Near = NearPair;  // of a point and a triangle
   struct Pair {
     std::size_t first, end;  ///< in vertices_ and weights_
     Index point, triangle;
@@ -100,6 +100,11 @@ class PointPairs {
   void find_around_near();
   bool may_touch(Index point, Index triangle) const;
   void find_normals();
+  /// That of a triangle.
+  struct Plane {
+    Vec3 normal;    ///< of unit length; 0 of a triangle without an area
+    double offset;  ///< of the plane from the origin, along the normal, m
+  };
   void add_nearest(std::span<const Near> of_point, const LiveMask* moving);
   void add(Index point, double weight);
   Vec3 place(Index point) const;
@@ -119,9 +124,10 @@ class PointPairs {
   std::vector<Near> near_;             ///< ascending
   std::vector<std::uint8_t> is_near_;  ///< by point: of those
   std::vector<Index> around_near_;     ///< triangles of those, or at their points; ascending
-  // In the step:
-  /// By triangle and by point; not of unit length. Of those that are near each other.
-  std::vector<Vec3> areas_, normals_;
+  std::vector<Index> near_points_;     ///< points and corners of those; ascending
+  // In the step, of those that are near each other:
+  std::vector<Plane> planes_;  ///< by triangle
+  std::vector<Vec3> normals_;  ///< by point; not of unit length
   std::vector<Pair> pairs_;
   std::vector<Index> vertices_;
   std::vector<double> weights_;

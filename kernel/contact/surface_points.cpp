@@ -75,16 +75,19 @@ bool ContactPoint::is_held(const double* held) const {
 PointMass::PointMass(const ContactPoint& point, Attributes& attributes, const LiveMask* moving)
     : point_(point), attributes_(&attributes), moving_(moving) {
   const double* mass = attributes.mass().rows();
+  double all = 0;
+  Vec3 free{};
+  for (std::size_t i = 0; i < point.vertices.size(); ++i) {
+    const Index v = point.vertices[i];
+    const double inverse = point.weights[i] * point.weights[i] / mass[v];
+    const unsigned held = held_components(v);
+    all += inverse;
+    for (unsigned c = 0; c < 3; ++c)
+      if ((held >> c & 1) == 0) free[c] += inverse;
+  }
   for (unsigned c = 0; c < 3; ++c) {
-    double free = 0, all = 0;
-    for (std::size_t i = 0; i < point.vertices.size(); ++i) {
-      const Index v = point.vertices[i];
-      const double inverse = point.weights[i] * point.weights[i] / mass[v];
-      all += inverse;
-      if (!is_held(v, c)) free += inverse;
-    }
-    if (free == 0) fixed_ |= 1u << c;
-    mass_[c] = 1 / (free == 0 ? all : free);
+    if (free[c] == 0) fixed_ |= 1u << c;
+    mass_[c] = 1 / (free[c] == 0 ? all : free[c]);
   }
 }
 
@@ -95,8 +98,9 @@ void PointMass::change(const Vec3& velocity, double dt) const {
     const double share = point_.weights[i] / mass[v];
     double* x = attributes_->position().rows() + 4 * std::size_t{v};
     double* u = attributes_->velocity().rows() + 4 * std::size_t{v};
+    const unsigned held = held_components(v);
     for (unsigned c = 0; c < 3; ++c) {
-      if (is_held(v, c)) continue;
+      if ((held >> c & 1) != 0) continue;
       const double by = share * mass_[c] * velocity[c];
       u[c] += by;
       x[c] += dt * by;

@@ -101,9 +101,10 @@ class PointMass {
   void change(const Vec3& velocity, double dt) const;
 
  private:
-  bool is_held(Index vertex, unsigned component) const {
-    if (moving_ && !(*moving_)[vertex]) return true;
-    return (static_cast<unsigned>(attributes_->fixed().rows()[vertex]) >> component & 1) != 0;
+  /// Bits.
+  unsigned held_components(Index vertex) const {
+    if (moving_ && !(*moving_)[vertex]) return all_held;
+    return static_cast<unsigned>(attributes_->fixed().rows()[vertex]);
   }
 
   ContactPoint point_;

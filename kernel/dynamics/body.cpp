@@ -41,6 +41,12 @@ FieldEquation& Body::field(std::string_view name) {
       fields_, [&](const FieldEquation& equation) { return equation.field().name == name; });
 }
 
+void Body::share(std::unique_ptr<BodyShare> share) {
+  share_ = std::move(share);
+  models_->share(*share_);
+  attributes_.partial_rows().complete_by([this](double* rows) { share_->complete(rows); });
+}
+
 void Body::check_plugins() {
   models_->check_plugins();
   for (FieldEquation& field : fields_) field.rates().check_plugins();

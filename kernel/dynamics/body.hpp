@@ -13,6 +13,7 @@
 #include "kernel/attributes/attributes.hpp"
 #include "kernel/dynamics/constraints.hpp"
 #include "kernel/fields/field_equation.hpp"
+#include "kernel/forces/body_share.hpp"
 #include "kernel/forces/force_loop.hpp"
 #include "kernel/geometry/element_blocks.hpp"
 #include "kernel/topology/import.hpp"
@@ -80,6 +81,10 @@ class Body {
   const std::vector<std::unique_ptr<ForceTerm>>& terms() const { return terms_; }
   /// All terms other than the models.
   std::span<const std::unique_ptr<ForceTerm>> loads() const { return std::span(terms_).subspan(1); }
+
+  /// From now on several processes hold this body, and this one computes a share of it.
+  void share(std::unique_ptr<BodyShare> share);
+  BodyShare* share() { return share_.get(); }  ///< null if this process is alone
 
   /// The equations of the fields that models declare; after compile().
   std::deque<FieldEquation>& fields() { return fields_; }
@@ -171,6 +176,7 @@ class Body {
   std::vector<Index> copied_element_;  ///< of the mesh, for each copy so far
   std::vector<std::unique_ptr<ForceTerm>> terms_;
   ForceLoop* models_ = nullptr;
+  std::unique_ptr<BodyShare> share_;
   std::deque<FieldEquation> fields_;
   Constraints constraints_;
   std::unique_ptr<ContactLaw> contact_;

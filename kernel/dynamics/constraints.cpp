@@ -216,8 +216,23 @@ DrivenWork Constraints::after_drift(Attributes& attributes, double before, doubl
   return total;
 }
 
-Index Constraints::first_not_finite(const Column& column) const {
-  for (const Constrained& held : constrained_)
+void Constraints::drift(Attributes& attributes, double dt, double end_time, Index begin,
+                        Index end) {
+  const auto driven_here = within(driven_, begin, end);
+  if (driven_here.empty()) return;
+  for (Driven& driven : driven_here)
+    std::copy_n(row(attributes.position(), driven.vertex), 3, driven.position.begin());
+  apply(attributes, end_time, begin, end);
+  for (Driven& driven : driven_here) {
+    const double* x = row(attributes.position(), driven.vertex);
+    for_each_component(driven.components, [&](std::size_t c) {
+      driven.velocity[c] = (x[c] - driven.position[c]) / dt;
+    });
+  }
+}
+
+Index Constraints::first_not_finite(const Column& column, Index begin, Index end) const {
+  for (const Constrained& held : within(constrained_, begin, end))
     for (int c = 0; c < 3; ++c)
       if ((held.components >> c & 1) != 0 && !std::isfinite(column.get(held.vertex, c)))
         return held.vertex;
@@ -432,25 +447,6 @@ std::uint8_t Constraints::constrained_components(Index vertex) const {
   for (const Group& group : groups_)
     if (group.member[vertex]) components |= group.components;
   return components;
-}
-
-std::vector<bool> Constraints::always_fixed(Index vertex_count) const {
-  std::vector<std::uint8_t> held(vertex_count);
-  std::vector<bool> result(vertex_count);
-  for (const Group& group : groups_)
-    if (!group.motion.moves() && group.name.empty())
-      for (const Index v : group.vertices) held[v] |= group.components;
-  for (const Group& group : groups_)
-    if (group.motion.moves())
-      for (const Index v : group.vertices) held[v] = 0;
-  for (Index v = 0; v < vertex_count; ++v) result[v] = held[v] == 7;
-  return result;
-}
-
-Index Constraints::vertex_count() const {
-  std::size_t count = 0;
-  for (const Group& group : groups_) count += group.vertices.size();
-  return static_cast<Index>(count);
 }
 
 // A smooth ramp is at most 1.5 times as fast as a linear one.

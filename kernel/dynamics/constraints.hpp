@@ -104,8 +104,12 @@ class Constraints {
   double driven_kinetic(Attributes& attributes) const;
   /// sum m w- . w-, J.
   double driven_inertia(Attributes& attributes) const;
-  /// The first vertex at which a held component of `column` is not finite, or `none`.
-  Index first_not_finite(const Column& column) const;
+  /// What these leave at driven vertices of begin .. end-1 whose pass another process makes: their
+  /// positions at `end_time` and their mean velocities.
+  void drift(Attributes& attributes, double dt, double end_time, Index begin, Index end);
+  /// The first vertex of begin .. end-1 at which a held component of `column` is not finite, or
+  /// `none`.
+  Index first_not_finite(const Column& column, Index begin = 0, Index end = none) const;
   void state(Archive& archive);
 
   /// The parts of a split vertex have the same constraints. A merged vertex inherits the

@@ -89,6 +89,25 @@ std::vector<std::string> Constraints::names() const {
   return names;
 }
 
+std::vector<bool> Constraints::always_fixed(Index vertex_count) const {
+  std::vector<std::uint8_t> held(vertex_count);
+  std::vector<bool> result(vertex_count);
+  for (const Group& group : groups_)
+    if (!group.motion.moves() && group.name.empty())
+      for (const Index v : group.vertices) held[v] |= group.components;
+  for (const Group& group : groups_)
+    if (group.motion.moves())
+      for (const Index v : group.vertices) held[v] = 0;
+  for (Index v = 0; v < vertex_count; ++v) result[v] = held[v] == 7;
+  return result;
+}
+
+Index Constraints::vertex_count() const {
+  std::size_t count = 0;
+  for (const Group& group : groups_) count += group.vertices.size();
+  return static_cast<Index>(count);
+}
+
 bool Constraints::follow_rest(double time) const {
   return std::ranges::all_of(groups_, [&](const Group& group) {
     return !group.is_grasp && group.motion.turn == no_rotation && group.motion.at(time).angle == 0;

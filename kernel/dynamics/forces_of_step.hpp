@@ -15,12 +15,15 @@ namespace suture {
 /// scheme withheld (Motion::withheld()).
 class ForcesOfStep {
  public:
-  explicit ForcesOfStep(Motion& motion) : rows_(motion.body().attributes().force().rows()) {
+  explicit ForcesOfStep(Motion& motion) {
+    Body& body = motion.body();
     const std::vector<double>& withheld = motion.withheld();
+    const bool has_contact = body.contact() && !body.contact()->is_term();
+    if (withheld.empty() && !has_contact) return;
+    rows_ = body.attributes().force().rows();
     all_.assign(rows_, rows_ + withheld.size());
     for (std::size_t i = 0; i < withheld.size(); ++i) rows_[i] += withheld[i];
-    Body& body = motion.body();
-    if (!body.contact() || body.contact()->is_term()) return;
+    if (!has_contact) return;
     for (const ContactLaw::Touch& touch : body.contact()->touches()) {
       saved_.push_back({touch.vertex, row(rows_, touch.vertex)});
       add_to_row(rows_, touch.vertex, touch.force);
@@ -39,7 +42,7 @@ class ForcesOfStep {
     Index vertex;
     Vec3 force;
   };
-  double* rows_;
+  double* rows_ = nullptr;
   std::vector<double> all_;  ///< before, if something is withheld
   std::vector<Saved> saved_;
 };

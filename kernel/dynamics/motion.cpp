@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 #include <string>
 
 #include "kernel/attributes/held.hpp"
@@ -14,17 +15,31 @@ namespace suture {
 namespace {
 
 constexpr Index pass_chunk = MotionSums::chunk;
-static_assert(pass_chunk % ElementBlocks::size == 0);
+static_assert(pass_chunk % ElementBlocks::vertices_read == 0);
 /// Below, one thread is as fast. A pass between two parallel loops pays early, because
 /// threads that wait through it fall asleep.
 constexpr Index parallel_vertices = 8192;
 constexpr Index sum_chunk = 4096;
+static_assert(pass_chunk == BodyShare::block && sum_chunk % BodyShare::block == 0);
 
-/// visit(first, end) for ranges of vertices that hold all.
-template <class Visit>
-void for_each_range(Index vertices, Index size, Visit visit) {
-  for (Index begin = 0; begin < vertices; begin += size)
-    visit(begin, std::min(begin + size, vertices));
+/// The sum of range(first, end) over ranges of so many vertices, in their order; those of `share`
+/// are computed here, unless it is null.
+template <class Range>
+double sum_of_ranges(const Body& body, BodyShare* share, Index size, Range range) {
+  const Index vertices = body.attributes().vertex_count();
+  std::vector<double> sums((vertices + BodyShare::block - 1) / BodyShare::block);
+  const auto add = [&](Index begin, Index end) {
+    for (; begin < end; begin += size)
+      sums[begin / BodyShare::block] = range(begin, std::min(begin + size, vertices));
+  };
+  if (share) {
+    add(share->own().begin, share->own().end);
+    add(share->common_begin(), vertices);
+    share->join_blocks(sums, 1, true);
+  } else {
+    add(0, vertices);
+  }
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 bool is_finite(const Column& column, Index row) {
@@ -49,11 +64,16 @@ void Motion::evaluate(double dt) {
   if (evaluated_ && evaluated_dt_ == dt) return;
   if (evaluated_) clear_forces();
   evaluated_ = false;
+  const bool divides = this->divides();
   double* rows = body_.attributes().force().rows();
   try {
     for (const auto& term : body_.terms())
-      term->add_forces_in_step({time_, dt, last_}, moving(), rows);
-    require_finite_reactions();
+      if (divides && term.get() == &body_.models())
+        body_.models().add_own_forces({time_, dt, last_}, rows);
+      else
+        term->add_forces_in_step({time_, dt, last_}, moving(), rows);
+    body_.attributes().partial_rows().set(PartialRows::force, divides);
+    require_finite_reactions(divides);
   } catch (...) {
     clear_forces();  // passes rely on zeros; the state before the step is whole
     throw;
@@ -63,11 +83,14 @@ void Motion::evaluate(double dt) {
 }
 
 void Motion::clear_forces() {
+  PartialRows& partial = body_.attributes().partial_rows();
+  const PartialRows::OwnIsEnough all_are_cleared(partial, !frozen_);
   double* rows = body_.attributes().force().rows();
   const Index vertices = body_.attributes().vertex_count();
   if (!frozen_) std::fill_n(rows, std::size_t{vertices} * 4, 0.0);
   for (Index v = 0; frozen_ && v < vertices; ++v)  // what is frozen keeps its forces
     if (awake_[v]) std::fill_n(rows + std::size_t{v} * 4, 4, 0.0);
+  partial.set(PartialRows::force, false);
 }
 
 void Motion::discard_forces() {
@@ -154,17 +177,30 @@ loops::Motion Motion::pass(std::span<const Kick> kicks) const {
   return m;
 }
 
-/// chunk(number, first vertex, end) for all vertices; true if each returned true.
+/// Whether this process makes passes over its own vertices and the common ones only. Other bodies,
+/// such as those in contact, may need all vertices anywhere.
+bool Motion::divides() const {
+  return body_.models().may_divide() && !frozen_ && !body_.contact() && body_.fields().empty() &&
+         !body_.has_loads();
+}
+
+/// chunk(number, first vertex, end) for all vertices, or for those of this process; true if each
+/// returned true.
 template <class Chunk>
-bool Motion::for_each_chunk(Chunk chunk) const {
+bool Motion::for_each_chunk(bool divides, Chunk chunk) const {
   const Index vertices = body_.attributes().vertex_count();
-  const std::size_t parts = (vertices + pass_chunk - 1) / pass_chunk;
+  const loops::Rows own = divides ? body_.share()->own() : loops::Rows{0, 0};
+  const Index common = divides ? body_.share()->common_begin() : 0;
+  const Index own_parts = (own.end - own.begin) / pass_chunk;
+  const std::size_t parts = own_parts + (vertices - common + pass_chunk - 1) / pass_chunk;
   std::atomic<bool> good{true};
-  const auto one = [&](std::size_t part) {
+  const auto one = [&](std::size_t i) {
+    const std::size_t part =
+        i < own_parts ? own.begin / pass_chunk + i : common / pass_chunk + i - own_parts;
     const Index first = static_cast<Index>(part) * pass_chunk;
     if (!chunk(part, first, std::min(first + pass_chunk, vertices))) good = false;
   };
-  if (vertices >= parallel_vertices)
+  if (parts * pass_chunk >= parallel_vertices)
     body_.models().workers().parallel_for(parts, one);
   else
     for (std::size_t part = 0; part < parts; ++part) one(part);
@@ -196,7 +232,43 @@ double Motion::resolve_contact(const ContactStep& step) {
   return body_.contact()->step_work();
 }
 
+/// Every process keeps the state of all driven vertices.
+void Motion::drift_driven_of_others(double dt, double end) {
+  const auto [begin, last] = body_.share()->own();
+  Attributes& attributes = body_.attributes();
+  body_.constraints().drift(attributes, dt, end, 0, begin);
+  body_.constraints().drift(attributes, dt, end, last, body_.share()->common_begin());
+}
+
+/// After a pass of this process: it gets the sums of all, and what is at its borders. The forces of
+/// vertices that others step are zero again. Returns whether all passes were good.
+bool Motion::join_pass(bool good) {
+  Attributes& attributes = body_.attributes();
+  BodyShare& share = *body_.share();
+  std::vector<double*> read{attributes.position().rows()};
+  if (body_.models().reads_velocity()) read.push_back(attributes.velocity().rows());
+  share.join_borders(read);
+  PartialRows& partial = attributes.partial_rows();
+  double* const force = attributes.force().rows();
+  const auto clear = [&](Index first, Index last) {
+    std::fill(force + std::size_t{first} * 4, force + std::size_t{last} * 4, 0.0);
+  };
+  if (partial.is_partial(PartialRows::force)) {
+    for (const Index v : share.borders()) clear(v, v + 1);
+  } else {
+    clear(0, share.own().begin);
+    clear(share.own().end, share.common_begin());
+  }
+  partial.set(PartialRows::position, true);
+  partial.set(PartialRows::velocity, true);
+  partial.set(PartialRows::force, false);
+  return share.join_blocks(sums_.numbers(), MotionSums::width, good);
+}
+
 void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, double unseen) {
+  const bool divides = this->divides();
+  std::optional<PartialRows::OwnIsEnough> own;
+  if (divides) own.emplace(body_.attributes().partial_rows());
   loops::Motion m = pass(kicks);
   m.drift = dt;
   const auto run = kicks.size() == 2 ? loops_.kick_kick_drift : loops_.kick_drift;
@@ -207,8 +279,9 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
   const ContactStep step = has_impulses ? contact_step(kicks, dt, end) : ContactStep{};
   if (has_impulses) body_.contact()->prepare(step);
   evaluated_ = is_placed_ = false;
-  const bool keeps_blocks = this->keeps_blocks();
-  const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
+  const bool keeps_blocks = !divides && this->keeps_blocks();
+  if (divides) drift_driven_of_others(dt, end);
+  bool good = for_each_chunk(divides, [&](std::size_t part, Index first, Index last) {
     loops::PassSums sums;
     constraints.before_drift(attributes, g, first, last);
     if (run(&m, first, last, &sums) != 0) return false;
@@ -219,6 +292,8 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
     sums_.note_after(part, sums, driven);
     return true;
   });
+  if (divides) good = join_pass(good);
+  own.reset();
   if (!good) refuse_not_finite();
   is_placed_ = keeps_blocks;
   const double contact = has_impulses ? resolve_contact(step) : 0;
@@ -233,7 +308,7 @@ void Motion::kick(const Kick& kick) {
   const Vec3 g = body_.acceleration(time_);
   Attributes& attributes = body_.attributes();
   Constraints& constraints = body_.constraints();
-  const bool good = for_each_chunk([&](std::size_t part, Index first, Index last) {
+  const bool good = for_each_chunk(false, [&](std::size_t part, Index first, Index last) {
     loops::PassSums sums;
     constraints.before_kick(attributes, first, last);
     if (loops_.kick(&m, first, last, &sums) != 0) return false;
@@ -255,8 +330,19 @@ void Motion::arrive(double dt, double end) {
 }
 
 /// Passes find what is not finite in the velocities of free components; these they overwrite.
-void Motion::require_finite_reactions() const {
-  const Index vertex = body_.constraints().first_not_finite(body_.attributes().force());
+void Motion::require_finite_reactions(bool divides) const {
+  const Constraints& constraints = body_.constraints();
+  if (constraints.empty()) return;
+  if (divides) {
+    const PartialRows::OwnIsEnough enough(body_.attributes().partial_rows());
+    const Column& force = body_.attributes().force();
+    const BodyShare& share = *body_.share();
+    const bool is_good =
+        constraints.first_not_finite(force, share.own().begin, share.own().end) == none &&
+        constraints.first_not_finite(force, share.common_begin()) == none;
+    if (body_.share()->all(is_good)) return;
+  }
+  const Index vertex = constraints.first_not_finite(body_.attributes().force());
   if (vertex != none) refuse_vertex("the force on node ", vertex);
 }
 
@@ -279,31 +365,32 @@ void Motion::refuse_not_finite() const {
 }
 
 double Motion::sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const {
-  double total = 0;
-  for_each_range(body_.attributes().vertex_count(), sum_chunk, [&](Index first, Index last) {
-    total += sum(&m, body_.attributes().fixed().rows(), first, last);
-  });
-  return total;
+  return sum_of_ranges(body_, divides() ? body_.share() : nullptr, sum_chunk,
+                       [&](Index first, Index last) {
+                         return sum(&m, body_.attributes().fixed().rows(), first, last);
+                       });
 }
 
 double Motion::kinetic(const Kick& kick) {
+  const PartialRows::OwnIsEnough own(body_.attributes().partial_rows(), divides());
   return sum_over_vertices(pass({&kick, 1}), loops_.kinetic);
 }
 
 double Motion::leapfrog_part(double h) {
   const Kick kick(damping_, h);
+  const PartialRows::OwnIsEnough own(body_.attributes().partial_rows(), divides());
   return h == 0 ? 0 : sum_over_vertices(pass({&kick, 1}), loops_.forcing) / 8;
 }
 
 double Motion::power() {
-  loops::Motion m = pass({});
-  double sum = 0;
-  for_each_range(body_.attributes().vertex_count(), pass_chunk, [&](Index first, Index last) {
-    loops::PassSums sums;
-    loops_.kick(&m, first, last, &sums);
-    sum += sums.before;
-  });
-  return sum;
+  const PartialRows::OwnIsEnough own(body_.attributes().partial_rows(), divides());
+  const loops::Motion m = pass({});
+  return sum_of_ranges(body_, divides() ? body_.share() : nullptr, pass_chunk,
+                       [&](Index first, Index last) {
+                         loops::PassSums sums;
+                         loops_.kick(&m, first, last, &sums);
+                         return sums.before;
+                       });
 }
 
 Motion::Sums Motion::sums_at(std::span<const Index> vertices, std::span<const Vec3> forces,
@@ -387,6 +474,11 @@ void Motion::state(Archive& archive) {
   archive("end dt", end_dt_);
   archive("sums", sums_);
   archive("body", body_);
+  if (archive.loads() && !archive.has_cells() && body_.share()) {  // own rows alone may be saved
+    PartialRows& partial = body_.attributes().partial_rows();
+    partial.set(PartialRows::position, true);
+    partial.set(PartialRows::velocity, true);
+  }
   if (!archive.has_cells()) return;
   archive("damping", damping_);
   archive("evaluated", evaluated_);

@@ -132,10 +132,13 @@ class Motion {
   bool keeps_blocks();
   double resolve_contact(const ContactStep& step);
   template <class Chunk>
-  bool for_each_chunk(Chunk chunk) const;
+  bool for_each_chunk(bool divides, Chunk chunk) const;
   double sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const;
+  bool divides() const;
+  void drift_driven_of_others(double dt, double end);
+  bool join_pass(bool good);
   void clear_forces();
-  void require_finite_reactions() const;
+  void require_finite_reactions(bool divides) const;
   [[noreturn]] void refuse_vertex(const char* what, Index vertex) const;
   [[noreturn]] void refuse_not_finite() const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "kernel/base/archive.hpp"
@@ -54,6 +55,11 @@ class MotionSums {
     chunks_[vertex / chunk].after += after;
     chunks_[vertex / chunk].inertia += inertia;
   }
+  static constexpr std::size_t width = 8;  ///< numbers per chunk
+  /// Those of all chunks, for processes that make the passes over some.
+  std::span<double> numbers() {
+    return {reinterpret_cast<double*>(chunks_.data()), chunks_.size() * width};
+  }
   /// A_n and the work of driven vertices noted for the next step; 0 if there are none.
   double noted_before() const;
   double noted_driven() const;
@@ -98,6 +104,7 @@ class MotionSums {
     DrivenWork driven;
     double last_after = 0, last_inertia = 0;  ///< B_{n-1}, C_{n-1}
   };
+  static_assert(sizeof(Chunk) == width * sizeof(double));
   double squared_frequency(double before, double last_after, double last_inertia, double h) const;
 
   std::vector<Chunk> chunks_;

@@ -39,23 +39,36 @@ bool keeps_state(const CompiledFunctor& functor) {
 
 }  // namespace
 
-void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
-  const auto& loops = impl_->loops;
-  if (impl_->share && !impl_->others) impl_->others = impl_->share->others(*impl_->complex);
-  if (rows == nullptr) rows = impl_->attributes.force().rows();
-  for (Index i = 0; i < impl_->functors.size(); ++i) {
-    if (!belongs(impl_->functors[i], part)) continue;
-    CompiledFunctor& functor = impl_->functors[i];
-    impl_->run(i, impl_->own_list(functor), "force", impl_->awake(functor), time, dt, rows,
-               [&](const loops::Job& job, const loops::Worker& worker,
-                   std::span<const loops::Rows> ranges, Index) {
-                 loops.forces(&job, &worker, ranges.data(),
-                              static_cast<std::uint32_t>(ranges.size()));
-               });
+/// Adds those of the share, if there is one.
+Failure ForceLoop::Impl::add_forces(double time, double dt, Part part, double* rows) {
+  if (share && !others) find_share();
+  for (Index i = 0; i < functors.size(); ++i) {
+    if (!belongs(functors[i], part)) continue;
+    CompiledFunctor& functor = functors[i];
+    run(i, own_list(functor), "force", awake(functor), time, dt, rows,
+        [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
+            Index) {
+          loops.forces(&job, &worker, ranges.data(), static_cast<std::uint32_t>(ranges.size()));
+        });
   }
-  Failure first = impl_->take_failure();
-  if (impl_->share) impl_->share->join(rows, first);
+  return take_failure();
+}
+
+void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
+  if (rows == nullptr) rows = impl_->attributes.force().rows();
+  Failure first = impl_->add_forces(time, dt, part, rows);
+  if (impl_->share) {
+    impl_->share->complete(rows);
+    impl_->share->join_common(rows, first);
+  }
   impl_->raise(first, time);
+}
+
+void ForceLoop::add_own_forces(const StepTimes& step, double* rows) {
+  const PartialRows::OwnIsEnough own(impl_->attributes.partial_rows());
+  Failure first = impl_->add_forces(step.time, step.dt, Part::all, rows);
+  impl_->share->join_common(rows, first);
+  impl_->raise(first, step.time);
 }
 
 void ForceLoop::add_forces(double time, const LiveMask&, double* rows) {
@@ -118,9 +131,29 @@ void ForceLoop::accept() {
 
 // ------------------------------------------------------------------- shares --
 
-void ForceLoop::share(std::unique_ptr<ForceShare> share) {
-  impl_->share = std::move(share);
+void ForceLoop::share(BodyShare& share) {
+  impl_->share = &share;
   impl_->forget_shares();
+  impl_->find_share();
+}
+
+bool ForceLoop::may_divide() const {
+  return impl_->share && !keeps_states() && !reads_fields() && !books_work();
+}
+
+void ForceLoop::Impl::find_share() {
+  others = share->others(*complex);
+  std::vector<bool> read(others->size());
+  for (CompiledFunctor& functor : functors) {
+    if (functor.skipped()) continue;
+    const Connectivity cells = functor.connectivity(*complex);
+    const BatchList& list = own_list(functor);
+    for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
+      for (const loops::Rows& rows : list.ranges(chunk))
+        for (Index row = rows.begin; row < rows.end; ++row)
+          for (const Index vertex : cells.of(row)) read[vertex] = true;
+  }
+  share->read(read);
 }
 
 void ForceLoop::Impl::forget_shares() {

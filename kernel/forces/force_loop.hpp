@@ -17,7 +17,7 @@
 
 namespace suture {
 
-class ForceShare;
+class BodyShare;
 
 /// A model asks for a smaller step: the state before the step is still valid.
 class StepRejected : public NumericalError {
@@ -175,8 +175,14 @@ class ForceLoop final : public ForceTerm,
   void state(Archive& archive) override;
 
   /// From now on this process computes its share of the forces and of the energies; others compute
-  /// the rest. Functors that keep states are computed by all.
-  void share(std::unique_ptr<ForceShare> share);
+  /// the rest. Functors that keep states are computed by all. The share outlives the loop.
+  void share(BodyShare& share);
+  /// Whether forces at own vertices of the share are enough for a step: there is one, and no
+  /// functor keeps states, reads fields, or has its work booked.
+  bool may_divide() const;
+  /// add_forces_in_step() if may_divide(), for the rows of own and common vertices. Others at the
+  /// borders get parts of their forces.
+  void add_own_forces(const StepTimes& step, double* rows);
 
   /// From now on every call of a force is checked for mistakes of its plugin (checked_force.hpp),
   /// and energies, bounds, tangents and fields must be finite. Small bodies run hundreds of times

@@ -13,9 +13,9 @@
 
 #include "kernel/attributes/lips.hpp"
 #include "kernel/base/lanes.hpp"
+#include "kernel/forces/body_share.hpp"
 #include "kernel/forces/compiled_functor.hpp"
 #include "kernel/forces/force_loop.hpp"
-#include "kernel/forces/force_share.hpp"
 #include "kernel/forces/local_rows.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
 #include "kernel/forces/worker_memory.hpp"
@@ -216,7 +216,9 @@ struct ForceLoop::Impl {
     first.raise(functor.title(), words[functor.functor().dimension], time);
   }
 
+  Failure add_forces(double time, double dt, Part part, double* rows);
   const BatchList& own_list(CompiledFunctor& functor);
+  void find_share();
   void forget_shares();
 
   void book_unstored(double last_dt, const double* force);
@@ -261,8 +263,8 @@ struct ForceLoop::Impl {
   std::vector<std::array<LiveMask, 4>> awake_rows;
   /// By functor and chunk; empty until cells are projected.
   std::vector<std::vector<std::vector<loops::BatchRows>>> independent;
-  std::unique_ptr<ForceShare> share;
-  std::optional<std::vector<bool>> others;  ///< ForceShare::others(), once known
+  BodyShare* share = nullptr;
+  std::optional<std::vector<bool>> others;  ///< BodyShare::others(), once known
   bool checks = false;                      ///< check_plugins()
   std::optional<FunctorTimes> times;        ///< measure()
   bool operated = false;                    ///< follow() was called

@@ -8,11 +8,11 @@ namespace suture {
 
 void BlockLists::find(const CellComplex& complex) {
   lists_.assign(blocks_of(complex.element_count(), elements_), {});
-  std::vector<Index> listed(blocks_of(complex.count(0), vertices_), none);
+  std::vector<Index> listed(vertices_.count(complex.count(0)), none);
   const auto add_corners = [&](Index block, Index element) {
     for (const Index v : complex.vertices_of(element))
-      if (std::exchange(listed[v / vertices_], block) != block)
-        lists_[block].push_back(v / vertices_);
+      if (const Index seen = vertices_.of(v); std::exchange(listed[seen], block) != block)
+        lists_[block].push_back(seen);
   };
   for (Index e = 0; e < complex.element_count(); ++e) {
     if (!complex.exists(3, e)) continue;
@@ -29,7 +29,7 @@ void BlockLists::add_block(Index seer, Index block) {
 }
 
 void BlockLists::add(const CellComplex& complex, Index seer, Index seen) {
-  for (const Index v : complex.vertices_of(seen)) add_block(seer, v / vertices_);
+  for (const Index v : complex.vertices_of(seen)) add_block(seer, vertices_.of(v));
 }
 
 /// New elements, and those that see them; new corners of elements.
@@ -49,7 +49,7 @@ void BlockLists::follow(const CellComplex& complex, const TopologyChange& change
   const Stars& stars = change.stars[0];
   for (std::size_t i = 0; i < stars.size(); ++i)
     for (const Dart dart : stars[i]) {
-      const Index e = dart / hexahedron::darts, block = stars.cells[i] / vertices_;
+      const Index e = dart / hexahedron::darts, block = vertices_.of(stars.cells[i]);
       add_block(e, block);
       for_each_neighbour(e, [&](Index n) { add_block(n, block); });
     }

@@ -12,6 +12,21 @@ constexpr Index blocks_of(std::size_t count, Index size) {
   return static_cast<Index>((count + size - 1) / size);
 }
 
+/// Blocks of consecutive vertices. Vertices that operations have made may come from anywhere in the
+/// body, so that their blocks are small.
+struct VertexBlocks {
+  Index size;
+  Index first_new = none;  ///< a multiple of `size`, or none: all blocks have this size
+  static constexpr Index new_size = 8;
+
+  Index of(Index vertex) const {
+    return vertex < first_new ? vertex / size : first_new / size + (vertex - first_new) / new_size;
+  }
+  Index size_at(Index vertex) const { return vertex < first_new ? size : new_size; }
+  /// The number of those of `vertices`.
+  Index count(Index vertices) const { return vertices == 0 ? 0 : of(vertices - 1) + 1; }
+};
+
 /// By block of consecutive elements, the blocks of consecutive vertices in which the corners of its
 /// elements and of their neighbours are, each once.
 ///
@@ -19,8 +34,8 @@ constexpr Index blocks_of(std::size_t count, Index size) {
 /// and gives elements new vertices.
 class BlockLists {
  public:
-  BlockLists(Index elements_per_block, Index vertices_per_block)
-      : elements_(elements_per_block), vertices_(vertices_per_block) {}
+  BlockLists(Index elements_per_block, VertexBlocks vertices)
+      : elements_(elements_per_block), vertices_(vertices) {}
 
   /// O(elements).
   void find(const CellComplex& complex);
@@ -34,7 +49,8 @@ class BlockLists {
   void add(const CellComplex& complex, Index seer, Index seen);
   void add_block(Index seer, Index block);
 
-  Index elements_, vertices_;
+  Index elements_;
+  VertexBlocks vertices_;
   std::vector<std::vector<Index>> lists_;
 };
 

@@ -6,16 +6,6 @@
 #include "kernel/base/box_text.hpp"
 
 namespace suture {
-BulkVector<Row4> centroids_of(const CellComplex& complex, const Places& places,
-                              std::span<const ElementRange> ranges, const Workers* workers) {
-  BulkVector<Row4> result(complex.element_count());
-  const auto vertices = complex.vertices();
-  for_each_of(ranges.size(), workers, [&](std::size_t i) {
-    for (Index e = ranges[i].begin; e < ranges[i].end; ++e)
-      result[e] = vertices[e][0] == none ? Row4{} : centroid_of(vertices[e], places);
-  });
-  return result;
-}
 
 std::string why_nothing_was_cut(const Box& blade, const CellComplex& complex, const Places& places,
                                 const Vec3& origin, bool divides) {

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <span>
 #include <string>
-#include <vector>
 
-#include "kernel/base/bulk.hpp"
 #include "kernel/base/parallel.hpp"
 #include "kernel/geometry/surface.hpp"
 #include "kernel/topology/cell_complex.hpp"
@@ -42,11 +39,6 @@ inline Row4 centroid_of(const Hexahedron& corners, const Places& places) {
   return sum;
 }
 
-/// Consecutive elements.
-struct ElementRange {
-  Index begin, end;
-};
-
 /// Calls one(i) for i = 0 .. count-1, on the threads of `workers` if given.
 template <class One>
 void for_each_of(std::size_t count, const Workers* workers, One&& one) {
@@ -55,12 +47,6 @@ void for_each_of(std::size_t count, const Workers* workers, One&& one) {
   else
     for (std::size_t i = 0; i < count; ++i) one(i);
 }
-
-/// By element, the centroids of those in the ranges; 0 for removed ones. With `workers`, on its
-/// threads. About 8 ns each.
-BulkVector<Row4> centroids_of(const CellComplex& complex, const Places& places,
-                              std::span<const ElementRange> ranges,
-                              const Workers* workers = nullptr);
 
 /// Calls visit(first, last, chunk) for chunks of 0 .. count-1, on the threads of `workers` if
 /// given. Chunks have 16,384 entries.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "kernel/base/bulk.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/geometry/geometry_module.hpp"
 
@@ -72,8 +73,13 @@ std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Plac
                                           const ElementBlocks* blocks) const {
   const SearchedElements searched(blocks, complex.element_count(),
                                   [&](const Box& box) { return overlap(box, box_); });
-  const std::vector<ElementRange> ranges = searched.ranges();
-  const BulkVector<Row4> centroids = centroids_of(complex, places, ranges, workers);
+  const std::span<const ElementRange> ranges = searched.ranges();
+  BulkVector<Row4> centroids(searched.slot_count());
+  for_each_of(ranges.size(), workers, [&](std::size_t number) {
+    for (Index e = ranges[number].begin; e < ranges[number].end; ++e)
+      if (complex.exists(3, e))
+        centroids[searched.slot(e)] = centroid_of(complex.vertices_of(e), places);
+  });
   std::vector<std::vector<Dart>> cut(ranges.size());
   for_each_of(ranges.size(), workers, [&](std::size_t number) {
     std::vector<Dart> near;
@@ -81,10 +87,10 @@ std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Plac
     for (Index e = ranges[number].begin; e < ranges[number].end; ++e)
       for (int f = 0; f < hexahedron::faces; ++f) {
         const Index n = complex.neighbour(e, f);
-        if (n == none || n < e || !searched.contains(n) ||
-            !overlap(box_, centroids[e], centroids[n]))
-          continue;
-        const Segment link{xyz(centroids[e]), xyz(centroids[n])};
+        if (n == none || n < e || !searched.contains(n)) continue;
+        const Row4 &one = centroids[searched.slot(e)], &other = centroids[searched.slot(n)];
+        if (!overlap(box_, one, other)) continue;
+        const Segment link{xyz(one), xyz(other)};
         if (!grid_.may_meet(link.a, link.b)) continue;
         near.push_back(face_dart(e, f));
         links.push_back(link);

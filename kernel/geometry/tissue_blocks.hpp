@@ -67,7 +67,7 @@ class TissueBlocks {
   std::vector<Vec3> before_, now_;             ///< per vertex
   std::vector<Box> boxes_before_, boxes_now_;  ///< per block of vertices
   std::vector<double> moved_;                  ///< per block of vertices; -1: not known yet
-  BlockLists lists_{size, vertices_size};
+  BlockLists lists_{size, {vertices_size}};
 };
 
 }  // namespace suture

@@ -51,24 +51,24 @@ std::vector<Dart> faces_across_plane(const CellComplex& complex, const double* r
     const auto [low, high] = heights_of(box, point, n);
     return !(low > 0 || high < 0) && overlap(box, within);
   });
-  BulkVector<double> heights(complex.element_count());
+  BulkVector<double> heights(near.slot_count());
   double magnitude = 0;
   near.for_each([&](Index e) {
     if (!complex.exists(3, e)) return;
-    heights[e] = 0;
+    double& height = heights[near.slot(e)] = 0;
     for (const Index v : complex.vertices_of(e)) {
-      heights[e] += product(n, rows + stride * v) - offset;
+      height += product(n, rows + stride * v) - offset;
       magnitude = std::max(magnitude, magnitude_of_product(n, rows + stride * v));
     }
   });
   const double rounding = 32 * std::numeric_limits<double>::epsilon() *
                           (magnitude + magnitude_of_product(n, point.data()));
+  const auto is_above = [&](Index e) { return heights[near.slot(e)] >= -rounding; };
   std::vector<Dart> faces;
   near.for_each([&](Index e) {
     for (int f = 0; f < hexahedron::faces; ++f) {
       const Index other = complex.neighbour(e, f);
-      if (other != none && e < other && near.contains(other) &&
-          (heights[e] >= -rounding) != (heights[other] >= -rounding))
+      if (other != none && e < other && near.contains(other) && is_above(e) != is_above(other))
         faces.push_back(face_dart(e, f));
     }
   });

@@ -370,14 +370,17 @@ EventRunner::EventRunner(const Scene& scene, BuiltScene& built, Diagnostics& dia
 
 EventRunner::~EventRunner() = default;
 
-EventRunner::State EventRunner::prepare(const Event& event) {
+/// Events that are not part of the scene look at elements nearby only.
+EventRunner::State EventRunner::prepare(const Event& event, bool is_applied) {
   State state;
   check(event);
   if (const auto* tear = std::get_if<Tear>(&event.what)) {
+    const bool in_blocks = is_applied && tear->where && !tear->where->is_listed();
     std::vector<Index> elements;
-    if (tear->where) elements = built_.selector().elements(*tear->where);
-    state.tear = std::make_unique<TearCheck>(*tear, std::move(elements), built_.body().complex(),
-                                             event.path + "/tear");
+    if (tear->where)
+      elements = built_.selector().elements(*tear->where,
+                                            in_blocks ? &built_.body().blocks_at_rest() : nullptr);
+    state.tear = std::make_unique<TearCheck>(*tear, elements, event.path + "/tear");
   }
   try {
     if (const auto* cut = std::get_if<CutSurface>(&event.what)) {
@@ -459,7 +462,7 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
     throw InputError(
         event.path +
         "/cut: a moving blade cannot be applied at one instant; add it to the scene as an event");
-  State state = prepare(event);
+  State state = prepare(event, true);
   const EventOutcome outcome = std::visit(Call{*this, event, none, time, state}, event.what);
   ++applied_;
   return outcome;

@@ -91,7 +91,7 @@ class EventRunner : private Follower {
     bool reported_misfits = false;
   };
 
-  State prepare(const Event& event);
+  State prepare(const Event& event, bool is_applied = false);
   MovingBlade blade_of(const CutBlade& cut) const;
   std::vector<Vec3> points_of(const CutBlade::Carried& carried, double time) const;
   void check(const Event& event);

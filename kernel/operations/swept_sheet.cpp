@@ -18,7 +18,7 @@ constexpr double between_points = 0.5, between_rows = 0.25;
 constexpr std::size_t rows_per_cut = 2;
 // The corners of an element that is divided are so near to the new rows, behind which the opening
 // lags, and so near to the sheet; in elements.
-constexpr double seen_within = 3, near_sheet = 2;
+constexpr double seen_within = 2, near_sheet = 2;
 // Points of a row that are near each other.
 constexpr std::size_t points_per_box = 5;
 // How much of the sheet is kept behind the edge, and how far the edge goes on outside the tissue

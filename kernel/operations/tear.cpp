@@ -79,12 +79,23 @@ struct TearCheck::Snapshot {
   }
 };
 
-TearCheck::TearCheck(const Tear& tear, std::vector<Index> elements, const CellComplex& complex,
-                     std::string path)
+TearCheck::TearCheck(const Tear& tear, std::span<const Index> elements, std::string path)
     : tear_(tear), path_(std::move(path)), metric_(metric_spec(tear), 3) {
-  if (elements.empty()) return;
-  is_chosen_.assign(complex.element_count(), 0);
-  for (const Index e : elements) is_chosen_[e] = 1;
+  chosen_count_ = static_cast<Index>(elements.size());
+  if (!elements.empty()) first_chosen_ = elements.front();
+  for (const Index e : elements) choose(e);
+}
+
+/// Ascending, from the first on.
+void TearCheck::choose(Index element) {
+  is_chosen_.resize(element - first_chosen_ + std::size_t{1});
+  is_chosen_.back() = 1;
+}
+
+void TearCheck::invalidate(std::span<const Split> copies) {
+  is_built_ = false;
+  for (const Split& copy : copies)
+    if (!is_chosen_.empty() && takes_part(copy.old_cell)) choose(copy.new_cell);
 }
 
 // ------------------------------------------------------- the first pass --
@@ -114,9 +125,10 @@ Column TearCheck::make_metric(const Snapshot& snapshot) const {
 
 void TearCheck::build(const Snapshot& snapshot) {
   if (is_built_) return;
-  const Index count = snapshot.complex.element_count();
+  const Index count = snapshot.complex.element_count(), first = first_chosen_;
+  const Index last = is_chosen_.empty() ? count : first + static_cast<Index>(is_chosen_.size());
   rows_.clear();
-  for (Index e = 0; e < count; ++e)
+  for (Index e = first; e < last; ++e)
     if (takes_part(e) && snapshot.complex.exists(3, e)) rows_.push_back(e);
   row_count_ = static_cast<Index>(rows_.size());
   if (row_count_ == count) rows_ = std::vector<Index>();
@@ -340,11 +352,14 @@ std::vector<Dart> TearCheck::faces(Body& body, double time) {
 
 void TearCheck::state(Archive& archive) {
   if (!archive.has_cells()) return;
+  Index first = first_chosen_, count = chosen_count_;
+  archive("first chosen", first);
+  archive("chosen count", count);
   std::vector<char> chosen = is_chosen_;
   archive("chosen", chosen);
-  const auto built =
-      chosen.begin() + std::min<std::ptrdiff_t>(std::ssize(is_chosen_), std::ssize(chosen));
-  archive.require(std::equal(chosen.begin(), built, is_chosen_.begin(), is_chosen_.end()),
+  const auto common = std::min(std::ssize(chosen), std::ssize(is_chosen_));  // without copies
+  archive.require(first == first_chosen_ && count == chosen_count_ &&
+                      std::equal(chosen.begin(), chosen.begin() + common, is_chosen_.begin()),
                   "the elements that may tear differ");
   if (!archive.loads()) return;
   is_chosen_ = std::move(chosen);  // with those of copies

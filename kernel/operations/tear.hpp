@@ -41,16 +41,15 @@ namespace suture {
 /// F = sum_a A_a x G_a, with A_a the mean of the four edge vectors of direction a and G_a the
 /// reciprocal of those at rest: exact for parallelepipeds.
 ///
-/// Cost: a pass over the elements in batches of 8 with a bound that excludes most elements, then
-/// exact values for the others; a field costs its evaluation by the model. Memory: 72 B (strain) or
-/// 96 B (elongation) per element, nothing if all are congruent; no list of elements if all are
-/// checked and there are no holes.
+/// Cost: a pass over the chosen elements in batches of 8 with a bound that excludes most elements,
+/// then exact values for the others; a field costs its evaluation by the model. Memory: 72 B
+/// (strain) or 96 B (elongation) per element, nothing if all are congruent; no list of elements if
+/// all are checked and there are no holes.
 class TearCheck {
  public:
   /// `elements`: ascending, or empty for all; only faces between two of them tear. `path`: JSON
   /// path of the criterion, for messages.
-  TearCheck(const Tear& tear, std::vector<Index> elements, const CellComplex& complex,
-            std::string path);
+  TearCheck(const Tear& tear, std::span<const Index> elements, std::string path);
 
   /// One dart of each face that tears now, ascending. Throws NumericalError if they exceed the
   /// fraction tear.max_fraction of the faces between the elements (a criterion that tears
@@ -59,11 +58,7 @@ class TearCheck {
   std::vector<Dart> faces(Body& body, double time);
 
   /// Call after elements were removed or copied, or rest positions changed.
-  void invalidate(std::span<const Split> copies = {}) {
-    is_built_ = false;
-    for (const Split& copy : copies)
-      if (!is_chosen_.empty()) is_chosen_.push_back(char{is_chosen_[copy.old_cell]});
-  }
+  void invalidate(std::span<const Split> copies = {});
   /// The metric is rebuilt from the loaded attributes, with the same bits.
   void state(Archive& archive);
 
@@ -81,10 +76,15 @@ class TearCheck {
   std::vector<double> field_values(const Snapshot& snapshot, int dimension) const;
   int field_dimension(const Snapshot& snapshot) const;
   void check_share(const CellComplex& complex, std::size_t torn) const;
-  bool takes_part(Index element) const { return is_chosen_.empty() || is_chosen_[element] != 0; }
+  bool takes_part(Index element) const {
+    return is_chosen_.empty() || (element - first_chosen_ < is_chosen_.size() &&  // or below 0
+                                  is_chosen_[element - first_chosen_] != 0);
+  }
+  void choose(Index element);
 
   Tear tear_;
-  std::vector<char> is_chosen_;  ///< by element; empty: all
+  Index first_chosen_ = 0, chosen_count_ = 0;  ///< of the given elements
+  std::vector<char> is_chosen_;                ///< from the first to the last; empty: all
   std::string path_;
 
   bool is_built_ = false;

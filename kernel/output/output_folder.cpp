@@ -159,7 +159,8 @@ void OutputFolder::mark() {
   OutputFile file(*folder_, mark_name);
   file.write("Process " + std::to_string(::getpid()) +
              " writes results to this folder and has not finished. If it does not run any more, it "
-             "was killed, or a plugin ended it, and the results are incomplete.\n");
+             "was killed, or a plugin ended it, and the results are incomplete. To go on from the "
+             "newest checkpoint here, if there is one: suture run --resume CHECKPOINT\n");
   file.close();
 }
 

@@ -179,11 +179,19 @@ class EmbeddingBuilder {
   void add_open_faces(Index element, const std::array<Index, 4>& corners, unsigned open) {
     const auto& [p, q, r, s] = corners;
     const std::array<unsigned, 4> at{sides(p), sides(q), sides(r), sides(s)};
+    std::array<unsigned, 4> on;  // the open sides on which each face lies
+    for (std::size_t f = 0; f < 4; ++f) {
+      const auto& [a, b, c] = tetrahedron_faces[f];
+      on[f] = at[a] & at[b] & at[c] & open;
+    }
+    if ((on[0] | on[1] | on[2] | on[3]) == 0) return;
     for (std::size_t i = 0; i < cube_sides.size(); ++i)
-      for (const auto& [a, b, c] : tetrahedron_faces)
-        if ((at[a] & at[b] & at[c] & open) >> i & 1)
+      for (std::size_t f = 0; f < 4; ++f)
+        if (on[f] >> i & 1) {
+          const auto& [a, b, c] = tetrahedron_faces[f];
           add_triangle(element, {point(corners[a]), point(corners[b]), point(corners[c])},
                        cube_sides[i]);
+        }
   }
   /// Those of a full element.
   void add_open_faces(Index element) {

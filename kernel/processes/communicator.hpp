@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -9,7 +10,7 @@
 namespace suture {
 
 /// The processes that make one run together, and what they tell each other. Every function but the
-/// first two waits until all of them have called it.
+/// first two and traffic() waits until all of them have called it.
 class Communicator {
  public:
   virtual ~Communicator() = default;
@@ -23,6 +24,21 @@ class Communicator {
   virtual void complete(double* all, std::span<const int> counts) = 0;
   /// The texts of all processes.
   virtual std::vector<std::string> gather(const std::string& mine) = 0;
+  /// The lists that all processes have for this one, from lists[i] for process i.
+  virtual std::vector<std::vector<std::uint32_t>> swap(
+      const std::vector<std::vector<std::uint32_t>>& lists) = 0;
+  /// Numbers for a process, or from it.
+  struct Parcel {
+    unsigned process;
+    std::vector<double> numbers;
+  };
+  /// Sends each of `out` and fills each of `in`. Waits for these processes only.
+  virtual void swap(std::span<const Parcel> out, std::span<Parcel> in) = 0;
+  /// What this process has sent to single processes, and to all in exchanges that all make.
+  struct Traffic {
+    std::uint64_t messages = 0, bytes = 0, exchanges = 0, exchanged_bytes = 0;
+  };
+  virtual const Traffic& traffic() const = 0;
   /// The largest number of all processes.
   virtual int largest(int mine) = 0;
 

@@ -379,6 +379,11 @@ void StepControl::give_up(const NumericalError& error) {
 }
 
 void StepControl::state(Archive& archive) {
+  Attributes& attributes = built_.body().attributes();
+  if (scene_.checkpoint.enabled) {  // which have the kept states, of all vertices
+    attributes.position();
+    attributes.velocity();
+  }
   archive("clock", clock_);
   archive("schedule", schedule_);
   archive("dynamics", built_.dynamics());

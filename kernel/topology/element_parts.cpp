@@ -49,7 +49,13 @@ void ElementParts::make_general() {
   for (const PartMoments& part : moments_) general_.push_back(general_part_of(part));
 }
 
+/// Copies are the last elements. As they follow each other, a part is as far from the last one as
+/// their numbers say, unless a part between them is missing.
 const PartMoments* ElementParts::of(Index element) const {
+  if (elements_.empty() || element < elements_.front() || element > elements_.back())
+    return nullptr;
+  const std::size_t after = elements_.back() - element, last = elements_.size() - 1;
+  if (after <= last && elements_[last - after] == element) return &moments_[last - after];
   const std::size_t place = position_in(elements_, element);
   return place < moments_.size() ? &moments_[place] : nullptr;
 }

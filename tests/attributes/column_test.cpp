@@ -2,12 +2,15 @@
 #include "kernel/attributes/column.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cstdint>
 #include <random>
 
 #include "kernel/attributes/table.hpp"
 #include "kernel/base/error.hpp"
+#include "kernel/base/out_of_memory.hpp"
+#include "tests/base/sanitizer.hpp"
 
 namespace suture {
 namespace {
@@ -212,6 +215,26 @@ TEST(CellSet, RowsOfARegionAppendAndRename) {
   all.append_all(1);
   EXPECT_EQ(all.row(5), 5u);
   EXPECT_EQ(all.size(), 6u);
+}
+
+// Sanitizers reserve more addresses than any limit leaves.
+TEST(Column, SaysWhatItNeedsWhenMemoryIsShort) {
+  if (!test::sanitizer.empty()) GTEST_SKIP() << "needs a limit on addresses";
+  Column column(spec(3), 0);
+  column.resize(5);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  const rlimit two_gigabytes{rlim_t{2} << 30, before.rlim_max};
+  std::string said;
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &two_gigabytes), 0);
+  try {
+    column.resize(100'000'000);
+  } catch (const OutOfMemory& error) {
+    said = error.what();
+  }
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+  EXPECT_EQ(said, "column 'c' needs 6400 MB");
+  EXPECT_EQ(column.size(), 5u);
 }
 
 TEST(Table, RefusesTwoColumnsOfOneName) {

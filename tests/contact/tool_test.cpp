@@ -12,7 +12,7 @@
 #include "kernel/contact/contact.hpp"
 #include "tests/dynamics/model_block.hpp"
 
-namespace suture {
+namespace suture::tool_test {
 namespace {
 
 /// A ball of 2 kg and 50 N/m, w = 5 / s, whose hand goes as `stations` say.
@@ -248,4 +248,4 @@ TEST_P(ToolSchemes, ARollbackRepeatsTheSameBitsOfTheTool) {
 }
 
 }  // namespace
-}  // namespace suture
+}  // namespace suture::tool_test

@@ -12,6 +12,7 @@
 #include "tests/forces/anchors_model.hpp"
 #include "tests/forces/spring_model.hpp"
 
+namespace vertex_functor_test {
 namespace {
 
 using namespace suture;
@@ -222,3 +223,4 @@ TEST(VertexFunctor, SleepersKeepTheirMemoryAndGiveNoForce) {
 }
 
 }  // namespace
+}  // namespace vertex_functor_test

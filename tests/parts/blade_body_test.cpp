@@ -14,7 +14,7 @@
 #include "tests/base/same_state.hpp"
 #include "tests/parts/part_body.hpp"
 
-namespace parts_test {
+namespace parts_test::blade_body_test {
 namespace {
 
 using suture::dot;
@@ -315,4 +315,4 @@ TEST(BladeBody, CopiesAreHeldWhereTheirOriginsAre) {
 }
 
 }  // namespace
-}  // namespace parts_test
+}  // namespace parts_test::blade_body_test

@@ -15,7 +15,7 @@
 #include "tests/parts/blade_event.hpp"
 #include "tests/run/equilibrium.hpp"
 
-namespace suture::test {
+namespace suture::test::blade_contact_test {
 namespace {
 
 const Vec3 oblique{1, 0.15, 0.4};
@@ -206,6 +206,24 @@ TEST(BladeContact, OtherObstaclesPushMeanwhile) {
     return norm(minus(place, {1.6, 2, 3.6})) - 1;
   }),
               0, 1e-6);
+}
+
+// Sweeps over lips end before those over a table; what touches both must not be left in the table.
+TEST(BladeContact, LipsPushNothingIntoATable) {
+  Scene scene = slab();
+  scene.contact.pieces = true;
+  scene.contact.friction = 0.3;
+  Obstacle ball{"ball", "/contact/obstacles/1", Sphere{{-1.5, 2, 2}, 1.5}};
+  ball.motion.stations = {{0.3, {}, 0}, {0.8, {0.5, 0, -0.3}, 0}};
+  scene.contact.obstacles.push_back(ball);
+  SlabRun run(scene);
+  run.simulation.run_to(0.2, run.nobody);
+  while (run.simulation.time() < 0.8) {
+    run.simulation.advance({{}, 1}, run.nobody);
+    ASSERT_GT(run.lowest(), -1e-7) << run.simulation.time();
+  }
+  EXPECT_EQ(run.islands(), 2u);
+  EXPECT_LT(run.simulation.contact()->loads()[1].force[0], -100);
 }
 
 /// How far the right arm of a fork has been pushed, whose left arm is pulled 0.6 m past it.
@@ -408,4 +426,4 @@ TEST(BladeContact, LipsPushEachOtherEqually) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::blade_contact_test

@@ -14,7 +14,7 @@
 #include "kernel/base/error.hpp"
 #include "tests/parts/cut_box.hpp"
 
-namespace suture::test {
+namespace suture::test::blade_cut_test {
 namespace {
 
 using testing::HasSubstr;
@@ -230,4 +230,4 @@ TEST(blade_cut, copies_that_stay_joined_all_around_keep_the_vertices_of_one) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::blade_cut_test

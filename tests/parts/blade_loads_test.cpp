@@ -13,7 +13,7 @@
 #include "tests/run/equilibrium.hpp"
 #include "tests/run/open_scene.hpp"
 
-namespace suture::test {
+namespace suture::test::blade_loads_test {
 namespace {
 
 using spring_model::forces_of_term;
@@ -148,4 +148,4 @@ TEST(BladeLoads, TheLedgerBalances) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::blade_loads_test

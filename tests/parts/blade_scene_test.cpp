@@ -15,7 +15,7 @@
 #include "tests/parts/blade_event.hpp"
 #include "tests/run/open_scene.hpp"
 
-namespace suture {
+namespace suture::blade_scene_test {
 namespace {
 
 using test::error_of;
@@ -285,4 +285,4 @@ TEST(BladeScene, RefusesCutsForWhichItIsNotPrepared) {
 }
 
 }  // namespace
-}  // namespace suture
+}  // namespace suture::blade_scene_test

@@ -10,7 +10,7 @@
 #include "tests/geometry/surfaces.hpp"
 #include "tests/parts/cut_box.hpp"
 
-namespace suture::test {
+namespace suture::test::part_sequences_test {
 namespace {
 
 constexpr Index size = 5;
@@ -124,4 +124,4 @@ TEST(part_sequences, keep_volume_surface_and_map) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::part_sequences_test

@@ -14,7 +14,7 @@
 #include "tests/parts/cut_box.hpp"
 #include "tests/run/equilibrium.hpp"
 
-namespace suture::test {
+namespace suture::test::reunite_test {
 namespace {
 
 PlanePatch plane_through(std::mt19937_64& random) {
@@ -180,4 +180,4 @@ TEST(Reunite, KeepsMomentum) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::reunite_test

@@ -17,7 +17,7 @@
 #include "tests/run/equilibrium.hpp"
 #include "tests/run/open_scene.hpp"
 
-namespace suture::test {
+namespace suture::test::surface_contact_test {
 namespace {
 
 PluginHost& plugins() {
@@ -330,4 +330,4 @@ TEST(SurfaceContact, IsRefusedWhereTheBallOverlapsTheObstacle) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::surface_contact_test

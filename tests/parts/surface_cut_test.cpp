@@ -12,7 +12,7 @@
 #include "tests/geometry/surfaces.hpp"
 #include "tests/parts/cut_box.hpp"
 
-namespace suture::test {
+namespace suture::test::surface_cut_test {
 namespace {
 
 using std::numbers::pi;
@@ -167,4 +167,4 @@ TEST(surface_cut, a_blade_without_two_sides_is_refused) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::surface_cut_test

@@ -20,7 +20,7 @@
 #include "tests/run/equilibrium.hpp"
 #include "tests/run/open_scene.hpp"
 
-namespace parts_test {
+namespace parts_test::surface_loads_test {
 namespace {
 
 using namespace suture;
@@ -359,4 +359,4 @@ TEST(SurfaceLoads, AreSelectedWhereTheSurfaceIs) {
 }
 
 }  // namespace
-}  // namespace parts_test
+}  // namespace parts_test::surface_loads_test

@@ -12,7 +12,7 @@
 #include "tests/run/beam.hpp"
 #include "tests/run/open_scene.hpp"
 
-namespace suture::test {
+namespace suture::test::swept_sheet_test {
 namespace {
 
 /// A bar of 12 x 4 x 4 elements of 1 m; the edge of the blade lies along z.
@@ -225,4 +225,4 @@ TEST_F(MovingAlong, WildWaysKeepMapMassAndSurface) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::swept_sheet_test

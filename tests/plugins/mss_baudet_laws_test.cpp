@@ -8,7 +8,7 @@
 
 #include "tests/plugins/mss_baudet.hpp"
 
-namespace suture::testing {
+namespace suture::testing::mss_baudet_laws_test {
 namespace {
 
 using V = Eigen::Vector3d;
@@ -370,4 +370,4 @@ TEST(MssBaudetLaws, StrainAndTensionOfEdges) {
 }
 
 }  // namespace
-}  // namespace suture::testing
+}  // namespace suture::testing::mss_baudet_laws_test

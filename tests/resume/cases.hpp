@@ -31,6 +31,9 @@ struct Kind {
 std::vector<Kind> all_kinds();
 std::vector<Kind> own_kinds();
 
+/// Bodies of some blocks of vertices, with operations and checkpoints; for several processes.
+Case divided(Random& random, unsigned index);
+
 /// Frames, tables and fields of any kind.
 void add_output(Json& scene, Random& random);
 /// Writes scene.json and its files.

@@ -2,13 +2,15 @@
 //
 // Several processes that make a run together leave the same bytes as one process, also when they
 // are stopped and others, of another number, go on.
-//   SUTURE_FULL=1              three scenes of each kind, 20 kills; otherwise as many scenes as 30
-//                              seconds hold, one kill
+//   SUTURE_FULL=1              three scenes of each kind, 200 of divided bodies, 20 kills;
+//   otherwise
+//                              as many scenes as 30 and 15 seconds hold, one kill
 //   SUTURE_PROCESSES_SEED=N    these scenes; otherwise others in each run
 //   SUTURE_PROCESSES_CASE=NAME this one alone, "twist-017-0"
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <iostream>
@@ -30,8 +32,12 @@ std::uint64_t scenes_seed() {
 
 bool is_full() { return !value_of_variable("SUTURE_FULL").empty(); }
 
-/// Also for root, and for more processes than cores.
+std::string only() { return value_of_variable("SUTURE_PROCESSES_CASE"); }
+bool is_chosen(const Case& what) { return only().empty() || what.name == only(); }
+
+/// Also for root, and for more processes than cores. 0: none, for one process.
 std::vector<std::string> launcher(unsigned processes) {
+  if (processes == 0) return {};
   return {SUTURE_LAUNCHER, "--allow-run-as-root", "--oversubscribe", "-n",
           std::to_string(processes)};
 }
@@ -54,8 +60,7 @@ class Together : public ::testing::Test {
 };
 
 TEST_F(Together, TheyLeaveTheBytesOfOne) {
-  const std::string only = value_of_variable("SUTURE_PROCESSES_CASE");
-  const bool full = is_full() || !only.empty();
+  const bool full = is_full() || !only().empty();
   std::vector<Kind> kinds = all_kinds();
   std::mt19937_64 order(scenes_seed());
   if (!full) std::ranges::shuffle(kinds, order);
@@ -67,7 +72,7 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
       if (!full && shared > 0 && spent > std::chrono::seconds(30)) break;
       Random random(scenes_seed(), kind.name, index);
       const Case what = kind.make(random, index, scenes_seed());
-      if (!only.empty() && what.name != only) continue;
+      if (!is_chosen(what)) continue;
       SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(scenes_seed()));
       const fs::path at = folder_ / what.name;
       write_case(what, at);
@@ -90,10 +95,59 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
       }
       fs::remove_all(at);
     }
-  if (only.empty()) {
+  if (only().empty()) {
     EXPECT_GT(shared, 0u) << "the module cannot be loaded";
   }
   std::cout << shared << " runs shared, " << refused << " scenes refused\n";
+}
+
+/// Bytes that differ between two files, or all if their sizes do.
+std::size_t different_bytes(const fs::path& one, const fs::path& other) {
+  const std::string a = read_text(one), b = read_text(other);
+  if (a.size() != b.size()) return std::max(a.size(), b.size());
+  std::size_t number = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) number += a[i] != b[i];
+  return number;
+}
+
+/// Vertices of several blocks, so that the passes are divided, too; others go on from one of the
+/// checkpoints.
+TEST_F(Together, TheyDivideThePasses) {
+  const std::vector<unsigned> numbers{2, 3, 4, 7};
+  constexpr std::size_t of_run = 200;  // bytes of its identity, folder and time in a checkpoint
+  const auto start = std::chrono::steady_clock::now();
+  unsigned runs = 0, resumed = 0;
+  for (unsigned index = 0; index < 200; ++index) {
+    const auto spent = std::chrono::steady_clock::now() - start;
+    if (!is_full() && runs > 0 && spent > std::chrono::seconds(15)) break;
+    Random random(scenes_seed(), "divided", index);
+    const Case what = divided(random, index);
+    if (!is_chosen(what)) continue;
+    SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(scenes_seed()));
+    const fs::path at = folder_ / what.name, scene = at / "scene.json", alone = at / "0" / "out";
+    write_case(what, at);
+    const int code = run(what, {scene}, 0, at / "0");
+    EXPECT_TRUE(code == 0 || code == 5) << said(at / "0");
+    for (const unsigned processes :
+         is_full() ? std::vector<unsigned>{1, 2, 3, 4, 7} : std::vector{random.pick(numbers)}) {
+      SCOPED_TRACE(std::to_string(processes) + " processes");
+      const fs::path there = at / std::to_string(processes), out = there / "out";
+      EXPECT_EQ(run(what, {scene}, processes, there), code) << said(there);
+      EXPECT_EQ(difference(alone, out), "");
+      ++runs;
+      const fs::path newest = newest_checkpoint(out);
+      EXPECT_EQ(newest.filename(), newest_checkpoint(alone).filename());
+      if (newest.empty()) continue;
+      EXPECT_LT(different_bytes(alone / newest.filename(), newest), of_run);
+      if (random.chance(0.5)) continue;
+      const std::vector<std::string> resume{"--resume", "out/" + newest.filename().string()};
+      EXPECT_EQ(run(what, resume, random.pick(numbers), there), code) << said(there);
+      EXPECT_EQ(difference(alone, out), "") << "resumed";
+      ++resumed;
+    }
+    fs::remove_all(at);
+  }
+  std::cout << runs << " runs, " << resumed << " resumed\n";
 }
 
 /// The beam of the tutorial, cut while it sags.
@@ -138,6 +192,17 @@ TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
       EXPECT_EQ(difference(at / "alone", out), "") << processes << " processes";
     }
   }
+}
+
+TEST_F(Together, TheProgramStartsThem) {
+  Case what = cut_beam();
+  what.scene["solver"]["end"] = 0.25;
+  const fs::path at = folder_ / "case", scene = at / "scene.json";
+  write_case(what, at);
+  EXPECT_EQ(run(what, {scene}, 0, at / "0"), 0);
+  EXPECT_EQ(run(what, {scene, "--processes", "2"}, 0, at / "2"), 0) << said(at / "2");
+  EXPECT_NE(said(at / "2").find("2 processes make this run"), std::string::npos);
+  EXPECT_EQ(difference(at / "0" / "out", at / "2" / "out"), "");
 }
 
 TEST_F(Together, WhatTheyCannotShareIsNamed) {

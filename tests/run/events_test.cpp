@@ -10,7 +10,7 @@
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 
-namespace suture::test {
+namespace suture::test::events_test {
 namespace {
 
 // What an observer hears.
@@ -233,4 +233,4 @@ TEST(Apply, MakesAnOperationFromOutside) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::events_test

@@ -11,7 +11,7 @@
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
 
-namespace suture::test {
+namespace suture::test::history_test {
 namespace {
 
 constexpr double tau = 0.1;
@@ -187,4 +187,4 @@ TEST_F(History, PositionBasedStepsCreepAlike) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::history_test

@@ -17,7 +17,7 @@
 #include "tests/run/beam.hpp"
 #include "tests/run/sag.hpp"
 
-namespace suture::test {
+namespace suture::test::run_gradients_test {
 namespace {
 
 using Values = std::map<std::string, double>;
@@ -226,4 +226,4 @@ INSTANTIATE_TEST_SUITE_P(Models, RunGradientsOf, testing::ValuesIn(cases()),
                          [](const auto& test) { return name_of(test.param); });
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::run_gradients_test

@@ -15,7 +15,7 @@
 #include "tests/run/csv_table.hpp"
 #include "tests/run/host.hpp"
 
-namespace suture::test {
+namespace suture::test::tools_test {
 namespace {
 
 constexpr double dt = 1e-3;
@@ -158,4 +158,4 @@ TEST(Tools, HaveTheSameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::tools_test

@@ -35,9 +35,20 @@ inline void store(double* p, V v) {
 struct RowSums {
   Row zero, before, after, inertia;
 };
-struct TwoRowSums {
+
+// The rows that fill a register, and the sums of a block: of every fourth row, to break the chain
+// of additions. Without AVX-512, two rows together would take twice the instructions of one each.
+#if defined(__AVX512F__)
+typedef TwoRows Register;
+struct RegisterSums {
   TwoRows zero, before, after, inertia;
 };
+#else
+typedef Row Register;
+typedef RowSums RegisterSums;
+#endif
+constexpr int64_t rows_at_once = sizeof(Register) / sizeof(Row);
+typedef RegisterSums BlockSums[4 / rows_at_once];
 
 /// Moves the vertices of a row or two.
 template <int Kicks, bool Drift, class V, class S>
@@ -68,21 +79,24 @@ void move_some(const Motion& m, uint32_t first, uint32_t count, Row gravity, Row
                          Row{} + m.mass[first + l], gravity, sums);
 }
 
-/// The values at the places; clang, of the sanitizers, has no shuffle by a variable.
-inline TwoRows picked(const Eight& values, const Places& places) {
-#ifdef __clang__
+/// Value l in every component of a row, and the next ones in those of further rows. clang, of the
+/// sanitizers, has no shuffle by a variable.
+inline __attribute__((always_inline)) Register spread(const Eight& values, int64_t l) {
+#if !defined(__AVX512F__)
+  return Row{values[l], values[l], values[l], values[l]};
+#elif defined(__clang__)
   TwoRows result{};
-  for (int i = 0; i < 8; ++i) result[i] = values[places[i]];
+  for (int i = 0; i < 8; ++i) result[i] = values[l + i / 4];
   return result;
 #else
-  return __builtin_shuffle(values, places);
+  return __builtin_shuffle(values, Places{l, l, l, l, l + 1, l + 1, l + 1, l + 1});
 #endif
 }
 
-/// A whole block, two vertices at a time; masses are inverted together (a division per
-/// vertex would cost as much as the rest), and two sums break the chain of additions.
+/// A whole block; masses are inverted together (a division per vertex would cost as much as the
+/// rest).
 template <int Kicks, bool Drift>
-inline void move_block(const Motion& m, uint32_t first, TwoRows gravity, TwoRowSums (&sums)[2]) {
+inline void move_block(const Motion& m, uint32_t first, Register gravity, BlockSums& sums) {
   const uint64_t at = static_cast<uint64_t>(first) * 4;
   for (uint32_t l = 0; l < lanes; l += 2) {
     const uint64_t ahead = at + (l + prefetch_distance) * 4;
@@ -91,25 +105,22 @@ inline void move_block(const Motion& m, uint32_t first, TwoRows gravity, TwoRowS
     __builtin_prefetch(m.position + ahead, 1);
   }
   const Eight masses = load<Eight>(m.mass + first), inverses = 1.0 / masses;
-  const auto two = [&](int64_t l) __attribute__((always_inline)) {
-    const Places each{l, l, l, l, l + 1, l + 1, l + 1, l + 1};
-    const TwoRows inverse = picked(inverses, each);
-    const TwoRows mass = picked(masses, each);
-    move<Kicks, Drift>(m, at + static_cast<uint64_t>(l) * 4, inverse, mass, gravity,
-                       sums[l / 2 % 2]);
-  };
-  two(0);
-  two(2);
-  two(4);
-  two(6);
+#pragma GCC unroll 8
+  for (int64_t l = 0; l < lanes; l += rows_at_once)
+    move<Kicks, Drift>(m, at + static_cast<uint64_t>(l) * 4, spread(inverses, l), spread(masses, l),
+                       gravity, sums[l % 4 / rows_at_once]);
 }
 
 inline double sum3(Row r) { return r[0] + r[1] + r[2]; }
 
-/// The two halves of a register, and the sums of single rows.
-inline Row fold(const TwoRows& a, const TwoRows& b, Row single) {
-  const TwoRows both = a + b;
+/// The sums of every fourth row, and of single rows: the same order for every register.
+inline Row fold(const BlockSums& sums, Register RegisterSums::*which, Row single) {
+#if defined(__AVX512F__)
+  const TwoRows both = sums[0].*which + sums[1].*which;
   return single + Row{both[0] + both[4], both[1] + both[5], both[2] + both[6], 0};
+#else
+  return single + ((sums[0].*which + sums[2].*which) + (sums[1].*which + sums[3].*which));
+#endif
 }
 
 template <int Kicks, bool Drift>
@@ -117,19 +128,23 @@ int32_t pass(const Motion* motion, uint32_t begin, uint32_t end, PassSums* resul
   const Motion m = *motion;
   const double* const g = m.gravity;
   const Row gravity = {g[0], g[1], g[2], 0};
+#if defined(__AVX512F__)
   const TwoRows gravities = {g[0], g[1], g[2], 0, g[0], g[1], g[2], 0};
+#else
+  const Row gravities = gravity;
+#endif
   RowSums single = {};
-  TwoRowSums twos[2] = {};
+  BlockSums sums = {};
   for (uint32_t first = begin; first < end; first += lanes) {
     if (end - first >= lanes && (!m.live || m.live[first / lanes] == 0xFF))
-      move_block<Kicks, Drift>(m, first, gravities, twos);
+      move_block<Kicks, Drift>(m, first, gravities, sums);
     else
       move_some<Kicks, Drift>(m, first, end - first < lanes ? end - first : lanes, gravity, single);
   }
-  result->before = sum3(fold(twos[0].before, twos[1].before, single.before));
-  result->after = sum3(fold(twos[0].after, twos[1].after, single.after));
-  result->inertia = sum3(fold(twos[0].inertia, twos[1].inertia, single.inertia));
-  const Row zero = fold(twos[0].zero, twos[1].zero, single.zero);
+  result->before = sum3(fold(sums, &RegisterSums::before, single.before));
+  result->after = sum3(fold(sums, &RegisterSums::after, single.after));
+  result->inertia = sum3(fold(sums, &RegisterSums::inertia, single.inertia));
+  const Row zero = fold(sums, &RegisterSums::zero, single.zero);
   return zero[0] == 0 && zero[1] == 0 && zero[2] == 0 ? 0 : 1;
 }
 

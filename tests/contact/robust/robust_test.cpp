@@ -15,7 +15,7 @@
 #include "tests/contact/robust/robust_scenes.hpp"
 #include "tests/contact/robust/separation.hpp"
 
-namespace suture::test {
+namespace suture::test::robust_test {
 namespace {
 
 // Depths of nodes, and of middles of edges; in elements.
@@ -148,4 +148,4 @@ TEST(Separation, IsMeasuredWithoutTheCodeOfContact) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::robust_test

@@ -22,7 +22,7 @@ struct Face {
   Vec3 area{};
 };
 
-struct Body {
+struct Solid {
   std::vector<Face> faces;
   std::set<Index> vertices;
   Box box = no_box;
@@ -33,13 +33,13 @@ Vec3 place_of(Attributes& attributes, Index v) {
   return {x.get(v, 0), x.get(v, 1), x.get(v, 2)};
 }
 
-std::vector<Body> bodies_of(const CellComplex& complex, Attributes& attributes) {
+std::vector<Solid> bodies_of(const CellComplex& complex, Attributes& attributes) {
   const std::vector<Index> islands = complex.islands();
-  std::vector<Body> bodies;
+  std::vector<Solid> bodies;
   for (Dart d = 0; d < 24 * complex.element_count(); d += 4) {
     if (!complex.exists(3, d / 24) || complex.beta3(d) != none) continue;
     bodies.resize(std::max<std::size_t>(bodies.size(), islands[d / 24] + 1));
-    Body& body = bodies[islands[d / 24]];
+    Solid& body = bodies[islands[d / 24]];
     Face face{};
     for (Index k = 0; k < 4; ++k) {
       face.corners[k] = complex.origin(d + 3 - k);
@@ -63,7 +63,7 @@ void for_each_triangle(const Face& face, Visit visit) {
 }
 
 /// How often a closed surface winds around a place: 1 inside, 0 outside.
-double winding(const Body& body, const Vec3& place) {
+double winding(const Solid& body, const Vec3& place) {
   double angle = 0;
   for (const Face& face : body.faces)
     for_each_triangle(face, [&](Vec3 a, Vec3 b, Vec3 c) {
@@ -97,7 +97,7 @@ double distance_to_triangle(const Vec3& place, const Vec3& a, const Vec3& b, con
 }
 
 /// From the faces of which a vertex is no corner.
-double distance(const Body& body, const Vec3& place, Index vertex = none) {
+double distance(const Solid& body, const Vec3& place, Index vertex = none) {
   double least = std::numeric_limits<double>::infinity();
   for (const Face& face : body.faces) {
     if (std::ranges::find(face.corners, vertex) != face.corners.end()) continue;
@@ -118,13 +118,14 @@ void note(Intrusion& deepest, const Intrusion& found) {
   if (found.depth > deepest.depth) deepest = found;
 }
 
-void check(const Vec3& place, bool is_on_edge, const Body& other, Intrusion& deepest) {
+void check(const Vec3& place, bool is_on_edge, const Solid& other, Intrusion& deepest) {
   if (!is_in(other.box, place) || winding(other, place) < 0.5) return;
   note(deepest, {distance(other, place), place, is_on_edge, "a piece"});
 }
 
 /// Edges at their middles; each is an edge of two faces.
-void check_pieces(const Body& body, const Body& other, Attributes& attributes, Intrusion& deepest) {
+void check_pieces(const Solid& body, const Solid& other, Attributes& attributes,
+                  Intrusion& deepest) {
   for (const Index v : body.vertices) check(place_of(attributes, v), false, other, deepest);
   for (const Face& face : body.faces)
     for (std::size_t i = 0; i < 4; ++i) {
@@ -144,7 +145,7 @@ bool is_folded(const std::vector<Vec3>& normals) {
 }
 
 /// A node just outside its own surface is in no other part of the piece.
-void check_own(const Body& body, Attributes& attributes, double edge, Intrusion& deepest) {
+void check_own(const Solid& body, Attributes& attributes, double edge, Intrusion& deepest) {
   for (const Index v : body.vertices) {
     Vec3 area{};
     std::vector<Vec3> normals;
@@ -174,10 +175,10 @@ double depth_in(const Obstacle& obstacle, double time, const Vec3& place) {
 
 Intrusion deepest_intrusion(const CellComplex& complex, Attributes& attributes,
                             const std::vector<Obstacle>& obstacles, double time, double edge) {
-  const std::vector<Body> bodies = bodies_of(complex, attributes);
+  const std::vector<Solid> bodies = bodies_of(complex, attributes);
   Intrusion deepest;
-  for (const Body& body : bodies) {
-    for (const Body& other : bodies)
+  for (const Solid& body : bodies) {
+    for (const Solid& other : bodies)
       if (&body != &other) check_pieces(body, other, attributes, deepest);
     check_own(body, attributes, edge, deepest);
     for (const Index v : body.vertices)

@@ -18,7 +18,7 @@
 #include "kernel/mesh/box.hpp"
 #include "tests/run/unbalanced.hpp"
 
-namespace suture::test {
+namespace suture::test::static_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -212,4 +212,4 @@ TEST(StaticContact, WhatSlidesOffABallIsToldWhy) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::static_test

@@ -19,7 +19,7 @@
 #include "kernel/run/simulation.hpp"
 #include "tests/geometry/surfaces.hpp"
 
-namespace suture::test {
+namespace suture::test::thin_test {
 namespace {
 
 constexpr double h = 0.05, half = 2 * h;  // edge of the elements, half of that of the block; m
@@ -310,4 +310,4 @@ TEST(ThinAndFast, NothingPasses) {
 }
 
 }  // namespace
-}  // namespace suture::test
+}  // namespace suture::test::thin_test

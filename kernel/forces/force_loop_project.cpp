@@ -25,8 +25,8 @@
 // falls with h^2.
 //
 // A pass may compensate: with the compliance max(1 - h^2 w / 2, 0) in place of 1, such cells keep
-// the stiffness 1, as long as h^2 w < 2. A cell never moves beyond C = 0, so steps stay bounded.
-// One cell alone, which misses nothing, is then too stiff.
+// the stiffness 1, as long as h^2 w < 2. No cell moves beyond C = 0 (of a spring), so that steps
+// stay bounded. One cell alone, which misses nothing, is then too stiff by h^2 w / 2.
 //
 // Forces that read velocities are the sum of f(x, 0), which the energy gives, and a viscous part
 //   g = f(x, v) - f(x, 0),   v = (x' - x) / h as the cells before have left it
@@ -104,12 +104,11 @@ ForceLoop::Softness move_nodes(const ForceLoop::Projection& step, const loops::J
     double w = 0;
     for_each_component(
         [&](std::size_t row, double f) { w += f * f * step.inverse_mass[row] / (2 * energy[l]); });
-    const double softness = square * w, half = softness / 2;
-    const double left_out = step.compensates ? std::max(half - 1, 0.0) : half;
-    const double compliance = step.compensates ? std::max(1 - half, 0.0) : 1;
+    const double softness = square * w;
+    const double compliance = step.compensates ? std::max(1 - softness / 2, 0.0) : 1;
     const double factor = square / (compliance + softness);
     sum.energy += energy[l];
-    sum.missing += left_out / (1 + left_out) * energy[l];
+    sum.missing += softness / (2 + softness) * energy[l];
     if (!step.moves) continue;
     for_each_component([&](std::size_t row, double f) {
       const double way = factor * step.inverse_mass[row] * f;

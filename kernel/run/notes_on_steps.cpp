@@ -13,6 +13,28 @@ namespace {
 // A part of the stiffness: the error of displacements is proportional to less.
 constexpr double estimable = 0.2;
 
+std::string note_on_softness(const Dynamics& dynamics) {
+  const double softness = dynamics.softness();
+  std::ostringstream text;
+  text << std::setprecision(3);
+  if (!dynamics.compensates()) {
+    text << "the stiffness depends on the step: steps left out about " << 100 * softness
+         << " % of it";
+    if (softness < estimable)
+      text << ", so displacements are too large by about as much; half of dt leaves out a quarter "
+              "of that";
+  } else {
+    text << "cells were stiffer by about " << 100 * softness
+         << " % to make up for what steps leave out";
+    if (softness < estimable)
+      text << "; the error that is left is of the order of the square of that, "
+           << 100 * softness * softness << " %, or less";
+  }
+  if (softness >= estimable)
+    text << ", which is too much to say what displacements would be without; reduce dt";
+  return text.str();
+}
+
 }  // namespace
 
 std::string note_on(const Newton::Iteration& i, const Newton& newton) {
@@ -43,24 +65,7 @@ std::vector<std::string> notes_on_steps(Dynamics& dynamics) {
   std::vector<std::string> notes;
   const Newton* newton = dynamics.newton();
   if (newton && !newton->budget_text().empty()) notes.push_back(newton->budget_text());
-  const double softness = dynamics.softness();
-  std::ostringstream text;
-  if (dynamics.compensates()) {
-    text << "cells were stiffer by what steps would have left out of the stiffness; of it, about "
-         << std::setprecision(3) << 100 * softness << " % is still missing";
-    if (softness == 0) text << ", but for the error of this estimate";
-    text << "; compare with half of dt";
-    notes.push_back(text.str());
-  } else if (softness > 0) {
-    text << "the stiffness depends on the step: steps left out about " << std::setprecision(3)
-         << 100 * softness << " % of it";
-    if (softness < estimable)
-      text << ", so displacements are too large by about as much; half of dt leaves out a quarter "
-              "of that";
-    else
-      text << ", which is too much to say what displacements would be without; reduce dt";
-    notes.push_back(text.str());
-  }
+  if (dynamics.softness() > 0) notes.push_back(note_on_softness(dynamics));
   return notes;
 }
 

@@ -58,7 +58,7 @@ class Integrator {
   /// The part of the stiffness that steps leave out, the mean of all so far; 0 of schemes whose
   /// stiffness does not depend on the step.
   virtual double softness() const { return 0; }
-  /// Whether cells are stiffer by that part, so that about its square is left out.
+  /// Whether cells are stiffer by that part, so that a tenth of it or less is left out.
   virtual bool compensates() const { return false; }
   /// The step at which it is about this in smooth deformations from the current state, s.
   virtual double step_of_softness(double /*softness*/) { return 0; }

@@ -27,8 +27,8 @@ std::string note_on_softness(const Dynamics& dynamics) {
     text << "cells were stiffer by about " << 100 * softness
          << " % to make up for what steps leave out";
     if (softness < estimable)
-      text << "; the error that is left is of the order of the square of that, "
-           << 100 * softness * softness << " %, or less";
+      text << "; in bodies of many cells the error that is left is at most about a tenth of that, "
+           << 10 * softness << " %, and half of dt leaves a quarter";
   }
   if (softness >= estimable)
     text << ", which is too much to say what displacements would be without; reduce dt";

@@ -98,7 +98,8 @@ TEST(Xpbd, ErrorFallsWithTheSquareOfTheStep) {
   EXPECT_NEAR(soft / half_soft, 4, 0.5);
 }
 
-// Cells that are stiffer by what the steps leave out rest where the finest steps do.
+// Cells that are stiffer by what the steps leave out rest where the finest steps do, but for a part
+// of that: those at the surface have fewer neighbours that act against them.
 TEST(Xpbd, CompensatesForItsSoftness) {
   for (const char* model : {"tm-faure", "mss-baudet"}) {
     const auto tip = [&](double h, bool compensates) {
@@ -110,8 +111,9 @@ TEST(Xpbd, CompensatesForItsSoftness) {
     };
     const double fine = tip(1.0 / 800, false), finest = tip(1.0 / 1600, false);
     const double exact = finest - (fine - finest) / 3;
-    EXPECT_GT(tip(1.0 / 400, false) / exact, 1.02) << model;
-    EXPECT_NEAR(tip(1.0 / 400, true) / exact, 1, 0.005) << model;
+    const double soft = tip(1.0 / 400, false) / exact - 1;
+    EXPECT_GT(soft, 0.02) << model;
+    EXPECT_NEAR(tip(1.0 / 400, true) / exact - 1, 0, soft / 10) << model;
   }
 }
 

@@ -16,22 +16,17 @@ constexpr double estimable = 0.2;
 std::string note_on_softness(const Dynamics& dynamics) {
   const double softness = dynamics.softness();
   std::ostringstream text;
-  text << std::setprecision(3);
-  if (!dynamics.compensates()) {
-    text << "the stiffness depends on the step: steps left out about " << 100 * softness
-         << " % of it";
-    if (softness < estimable)
-      text << ", so displacements are too large by about as much; half of dt leaves out a quarter "
-              "of that";
-  } else {
-    text << "cells were stiffer by about " << 100 * softness
-         << " % to make up for what steps leave out";
-    if (softness < estimable)
-      text << "; in bodies of many cells the error that is left is at most about a tenth of that, "
-           << 10 * softness << " %, and half of dt leaves a quarter";
-  }
+  text << std::setprecision(3) << "the stiffness depends on the step: steps left out about "
+       << 100 * softness << " % of it";
   if (softness >= estimable)
     text << ", which is too much to say what displacements would be without; reduce dt";
+  else if (dynamics.compensates())
+    text << ", for which cells made up; in bodies of many cells the error that is left is at most "
+            "about a tenth of that, "
+         << 10 * softness << " %, and half of dt leaves a quarter";
+  else
+    text << ", so displacements are too large by about as much; half of dt leaves out a quarter of "
+            "that";
   return text.str();
 }
 

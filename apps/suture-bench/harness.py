@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the benchmarks that are scripts share: processes with their use of the machine, and reports as suture-bench
 prints and writes them."""
+import csv
 import dataclasses
 import json
 import math
@@ -35,6 +36,12 @@ def run_process(words, folder):
     peak = 1024 * used.ru_maxrss if used.ru_maxrss > 1.01 * own else UNKNOWN
     return ProcessUse(used.ru_utime + used.ru_stime, time.monotonic() - begin, peak,
                       code if code >= 0 else 128 - code)
+
+
+def last_row(file):
+    """Of a table that `suture run` wrote: texts by the names of the columns."""
+    with open(file, encoding="ascii") as table:
+        return list(csv.DictReader(table))[-1]
 
 
 def written(value):

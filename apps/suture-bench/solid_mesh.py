@@ -48,7 +48,7 @@ def box_mesh(size, cells, origin=(0, 0, 0), grading=(1, 1, 1)):
 
 
 def divided(coarse, n):
-    """Every hexahedron in n x n x n parts. Points are known by the corners that they lie between, with their weights."""
+    """Every hexahedron in n x n x n parts. Points are known by the corners around them, with their weights."""
     fine, numbers = Mesh([], []), {}
 
     def point(corners, at):

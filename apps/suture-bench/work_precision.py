@@ -6,7 +6,6 @@ with solutions of other programs.
     work_precision.py path/to/programs [--json FILE]
 """
 import argparse
-import csv
 import json
 import math
 import pathlib
@@ -14,7 +13,7 @@ import statistics
 import tempfile
 
 import calculix
-from harness import UNKNOWN, Report, run_process
+from harness import UNKNOWN, Report, last_row, run_process
 from solid_mesh import write_gmsh
 from work_cases import MESH_FILE, work_cases
 
@@ -37,11 +36,6 @@ def new_row(what, program, method, cells, mesh):
             "note": ""}
 
 
-def last_value(file, column):
-    with open(file, encoding="ascii") as table:
-        return float(list(csv.DictReader(table))[-1][column])
-
-
 def run_suture(options, what, method, cells, mesh):
     row = new_row(what, "Suture", method.name, cells, mesh)
     with tempfile.TemporaryDirectory() as name:
@@ -56,7 +50,7 @@ def run_suture(options, what, method, cells, mesh):
 
         row["cpu_s"], row["wall_s"], code = repeat(options.rounds, run)
         if code == 0:
-            value = last_value(folder / "out/probes.csv", what.column)
+            value = float(last_row(folder / "out/probes.csv")[what.column])
             row["relative_error"] = what.scale * value / what.reference - 1
         elif code == 5:
             row["note"] = "no equilibrium was found (exit code 5)"
@@ -159,7 +153,8 @@ def read_options():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("programs", type=lambda p: pathlib.Path(p).resolve(), help="Folder of suture and suture-bench")
     parser.add_argument("--json", type=pathlib.Path, help="Write the figures to this file as well")
-    parser.add_argument("--cases", nargs="+", choices=names, default=names, metavar="NAME", help="Problems; default: all")
+    parser.add_argument("--cases", nargs="+", choices=names, default=names, metavar="NAME",
+                        help="Problems; default: all")
     parser.add_argument("--largest", action="store_true", help="With meshes that take longer than 5 s")
     parser.add_argument("--no-calculix", dest="beside", action="store_false", help="Leave out CalculiX")
     parser.add_argument("--references", action="store_true",

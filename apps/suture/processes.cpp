@@ -107,12 +107,12 @@ unsigned threads_of_each(Communicator& processes) {
 std::string describe_traffic(const Communicator& processes, std::uint64_t steps) {
   const Communicator::Traffic& sent = processes.traffic();
   const auto per_step = [&](std::uint64_t number) {
-    return short_number(static_cast<double>(number) /
-                        static_cast<double>(std::max<std::uint64_t>(steps, 1)));
+    return static_cast<double>(number) / static_cast<double>(std::max<std::uint64_t>(steps, 1));
   };
-  return "process 0 sent per step " + per_step(sent.bytes) + "B in " + per_step(sent.messages) +
-         " messages to single processes, and " + per_step(sent.exchanged_bytes) + "B in " +
-         per_step(sent.exchanges) + " exchanges of all";
+  return "process 0 sent per step " + memory(per_step(sent.bytes)) + " in " +
+         short_number(per_step(sent.messages)) + " messages to single processes, and " +
+         memory(per_step(sent.exchanged_bytes)) + " in " + short_number(per_step(sent.exchanges)) +
+         " exchanges of all";
 }
 
 void leave_processes() { joined.reset(); }

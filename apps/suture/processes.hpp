@@ -19,7 +19,8 @@ Communicator* enter_processes(Console& console);
 /// allows this process.
 unsigned threads_of_each(Communicator& processes);
 
-/// "process 0 sent 1 message of 245 kB per step, and 31 kB to all in 3.1 exchanges".
+/// "process 0 sent per step 245 kB in 1 messages to single processes, and 31 kB in 3.1 exchanges of
+/// all"; in so many steps.
 std::string describe_traffic(const Communicator& processes, std::uint64_t steps);
 
 /// Waits until all processes leave. Nothing happens if there are no others.

@@ -214,6 +214,7 @@ int run(const RunCommand& command, Console& console) {
                         command.check_plugins);
   if (processes) simulation.share(*processes);
   report_threads(wanted_threads, simulation.threads(), console);
+  const std::uint64_t earlier_steps = checkpoint ? checkpoint->header.step : 0;
   if (checkpoint) {
     simulation.resume(*checkpoint, resumed);
     report_resume(checkpoint->header, simulation, console);
@@ -231,7 +232,8 @@ int run(const RunCommand& command, Console& console) {
   const RunSummary summary = run(simulation, recording, scene, watcher, console);
   if (!console.quiet()) print_summary(summary, console);
   print_costs(simulation.costs(), summary.seconds, console);
-  if (processes && console.verbose()) console.print(describe_traffic(*processes, summary.steps));
+  if (processes && console.verbose())
+    console.print(describe_traffic(*processes, summary.steps - earlier_steps));
   if (summary.outcome == RunSummary::Outcome::unstable_equilibrium)
     return NumericalError("").exit_code();
   return summary.outcome == RunSummary::Outcome::interrupted ? 128 + watcher.signal() : 0;

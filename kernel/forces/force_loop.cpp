@@ -415,7 +415,6 @@ void ForceLoop::state(Archive& archive) {
   archive("unstored is booked", i.unstored_is_booked);
   if (!archive.has_cells()) return;
   if (archive.loads()) i.independent.clear();
-  if (archive.loads()) i.forget_shares();
   archive("operated", i.operated);
   archive("fixed", i.fixed);
   archive.each("awake", i.awake_rows, [](Archive& a, auto& masks) { a.each("masks", masks); });
@@ -428,6 +427,9 @@ void ForceLoop::state(Archive& archive) {
   archive.each("functors", functors, [&](Archive& a, CompiledFunctor& functor) {
     functor.state(a, i.fixed.empty() ? nullptr : &i.fixed);
   });
+  if (!archive.loads()) return;
+  i.forget_shares();
+  if (i.share) i.find_share();  // a pass may follow without another evaluation
 }
 
 std::vector<ForceLoop::Summary> ForceLoop::summary() const {

@@ -95,16 +95,14 @@ struct ForceLoop::Impl {
   }
 
   /// Calls chunk(worker, ranges, chunk number) for all chunks, in the order of the list.
-  /// `function` is the functor's function that it calls, for messages.
+  /// `function` is the functor's function that it calls, for messages; `rows` get its forces.
   template <class Chunk>
   void run(Index number, const char* function, double time, Chunk chunk) {
-    run(number, function, functors[number].cells().live(), time, 0, attributes.force().rows(),
-        chunk);
+    run(number, function, functors[number].cells().live(), time, 0, nullptr, chunk);
   }
   template <class Chunk>
   void run_tangent(Index number, const TangentTime& at, Chunk chunk) {
-    run(number, "tangent", functors[number].cells().live(), at.time, at.dt,
-        attributes.force().rows(), chunk);
+    run(number, "tangent", functors[number].cells().live(), at.time, at.dt, nullptr, chunk);
   }
   template <class Chunk>
   void run(Index number, const char* function, const LiveMask& live, double time, double dt,

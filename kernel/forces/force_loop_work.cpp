@@ -18,7 +18,7 @@ double work_on(const double* force, const Index* nodes, Index count, Index lane,
 void ForceLoop::Impl::add_cell_work(Index number, const double* direction, double energy,
                                     const TangentTime& at, std::span<double> out) {
   const auto* stored = energy != 0 ? stored_energy(functors[number]) : nullptr;
-  run(number, "force", functors[number].cells().live(), at.time, at.dt, attributes.force().rows(),
+  run(number, "force", functors[number].cells().live(), at.time, at.dt, nullptr,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
           Index) {
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {

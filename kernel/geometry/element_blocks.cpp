@@ -45,6 +45,7 @@ ElementBlocks::Boxes::Boxes(Index elements_per_block, VertexBlocks vertex_blocks
 Box ElementBlocks::Boxes::box(Index block) const {
   Box box = no_box;
   for (const Index v : lists.lists()[block]) include_box(box, of_vertices[v]);
+  if (box.low[0] > box.high[0]) return box;  // infinity - infinity is none
   for (std::size_t a = 0; a < 3; ++a) {
     box.low[a] -= rounding * std::abs(box.low[a]);
     box.high[a] += rounding * std::abs(box.high[a]);

@@ -3,6 +3,7 @@
 // The cells selected by plane patches, paths and boxes.
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <optional>
 #include <random>
 
@@ -140,6 +141,18 @@ TEST(ElementsAlongPath, AreThoseNearThePolyline) {
     }
     EXPECT_EQ(elements_along_path(block.complex, block.rows.data(), path, radius), expected);
   }
+}
+
+TEST(ElementBlocks, AreEmptyWhereAllElementsWereRemoved) {
+  Block block(grid(16, 16, 3));
+  constexpr Index size = ElementBlocks::size;
+  std::vector<Index> second(size);
+  std::iota(second.begin(), second.end(), size);
+  block.complex.pierce(second);
+  const ElementBlocks blocks(block.complex, {block.rows.data()});
+  ASSERT_EQ(blocks.blocks(), 3u);
+  for (const Index b : {0u, 2u}) EXPECT_LT(blocks.box(b).low[0], blocks.box(b).high[0]) << b;
+  EXPECT_GT(blocks.box(1).low[0], blocks.box(1).high[0]);
 }
 
 /// A block that is bent more and more, cut, pierced and sewn, with blocks that follow.

@@ -195,6 +195,29 @@ TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
   }
 }
 
+/// A checkpoint after a look for islands that sleep has the forces of the step to come, so that
+/// nothing is evaluated before the first pass; a cut has changed the borders.
+TEST_F(Together, OthersGoOnWithTheForcesOfACheckpoint) {
+  const Case what{"forces", Json::parse(R"({
+    "suture": 2,
+    "mesh": {"box": {"size": [1, 1, 1], "cells": [25, 25, 25]}},
+    "models": [{"model": "tm-faure", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
+    "gravity": [0, -10, 0],
+    "constraints": [{"where": {"set": "x0"}, "fix": "xyz"}],
+    "solver": {"end": 0.04, "dt": 5e-4, "sleep": {"acceleration": 1e-7, "velocity": 1e-7}},
+    "events": [{"at": 0.01, "cut": {"along": "faces", "plane": {"point": [0.5, 0.5, 0.5],
+                                                                "normal": [0.4, 1, 0.2]}}}],
+    "output": {"directory": "out"},
+    "checkpoint": {"every_steps": 64}})")};
+  const fs::path at = folder_ / "case", alone = at / "alone", there = at / "there";
+  write_case(what, at);
+  EXPECT_EQ(run(what, {at / "scene.json"}, 0, alone), 0) << said(alone);
+  fs::copy(alone, there, fs::copy_options::recursive);
+  const std::string newest = newest_checkpoint(there / "out").filename();
+  EXPECT_EQ(run(what, {"--resume", "out/" + newest}, 3, there), 0) << said(there);
+  EXPECT_EQ(difference(alone / "out", there / "out"), "");
+}
+
 TEST_F(Together, TheProgramStartsThem) {
   Case what = cut_beam();
   what.scene["solver"]["end"] = 0.25;

@@ -226,6 +226,22 @@ TEST(BladeContact, LipsPushNothingIntoATable) {
   EXPECT_LT(run.simulation.contact()->loads()[1].force[0], -100);
 }
 
+// Lips that approach limit the step, by what is near now: a resumed run seeks again what may touch.
+TEST(BladeContact, AResumedRunTakesTheSameSteps) {
+  Scene scene = slab();
+  scene.contact.pieces = true;
+  scene.solver.dt.reset();
+  scene.events[0].at = 0.02;
+  Obstacle ball{"ball", "/contact/obstacles/1", Sphere{{-1.5, 2, 1.5}, 1.5}};
+  ball.motion.stations = {{0, {}, 0}, {1, {3, 0, 0.5}, 0}};
+  scene.contact.obstacles.push_back(ball);
+  SlabRun whole(scene), resumed(scene);
+  whole.simulation.run_to(0.5, whole.nobody);
+  resumed.simulation.load(whole.simulation.save());
+  for (SlabRun* run : {&whole, &resumed}) run->simulation.run_to(0.9, run->nobody);
+  EXPECT_EQ(whole.momentum(), resumed.momentum());
+}
+
 /// How far the right arm of a fork has been pushed, whose left arm is pulled 0.6 m past it.
 double pushed_arm(bool self) {
   Scene scene = slab();

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make docs/accuracy.md and its plots from the output of `suture-bench work-precision --json`.
+"""Make docs/accuracy.md and its plots from the output of `work_precision.py --json`.
 
 usage: accuracy.py FOLDER DOCS
 
@@ -39,8 +39,8 @@ TAIL = """
 - The reference of `A` is an extrapolation along the smooth branch of solutions, -0.513 +- 0.0015 m: no limit of meshes is
   known there, the clamped edge is pressed together ever further under refinement. An error below 0.3 % in that table
   says nothing.
-- References of CalculiX are extrapolated from its own finest quadratic meshes (`suture-bench work-precision
-  --references`). Rows within the stated distance of the finest one say little; errors of CalculiX's quadratic elements
+- References of CalculiX are extrapolated from its own finest quadratic meshes (`apps/suture-bench/work_precision.py
+  build/bin --references`). Rows within the stated distance of the finest one say little; errors of CalculiX's quadratic elements
   have the sign that the extrapolation gives them.
 - CalculiX takes a rotation in steps of 15 degrees, because it moves nodes along straight lines; Suture in steps of
   at most 45.

@@ -63,9 +63,6 @@ void add_modes(CommandLine& line);
 /// Near pairs, and what contact adds to a step.
 void add_contact(CommandLine& line);
 
-/// Error against run time of whole processes.
-void add_work_precision(CommandLine& line);
-
 /// The paper's experiments beside formulas, laws and references.
 void add_paper(CommandLine& line);
 

@@ -46,7 +46,7 @@ Json random_balls(double modulus, unsigned seed) {
 
 /// A cube of n^3 elements, fixed below, and pushed aside above.
 Scene block(PluginHost& host, Index n, double jump, unsigned seed, Diagnostics& diagnostics) {
-  Json scene = box_scene({{n, n, n}}, {1, 1, 1}, static_method("neo-hookean", "trilinear", {}),
+  Json scene = box_scene({{n, n, n}}, {1, 1, 1}, static_method("neo-hookean", "trilinear"),
                          {{"nu", 0.3}, {"rho", 1000}});
   scene["models"][0]["parameters"]["E"] = {{"regions", random_balls(jump * young, seed)},
                                            {"elsewhere", young}};

@@ -34,7 +34,6 @@ int main(int argc, char** argv) {
   suture::bench::add_quasi_static(line);
   suture::bench::add_modes(line);
   suture::bench::add_contact(line);
-  suture::bench::add_work_precision(line);
   suture::bench::add_paper(line);
   suture::bench::add_bodies(line);
   try {

@@ -110,7 +110,7 @@ Line beam_line(const BeamLoad& load, const std::string& model, const std::string
 }
 
 void run_beam(const BeamLoad& load, const BeamModel& model, Index n, Report& report) {
-  const WorkMethod method{model.name, model.model, model.parameters, model.solver, {}};
+  const WorkMethod method{model.name, model.model, model.parameters, model.solver};
   Json scene = cantilever_scene(cantilever(load.cantilever), {{4 * n, n, n}}, method);
   scene["output"]["probes"]["at"] = beam_probes(n);
   const ProbeTable found(scene);
@@ -144,7 +144,7 @@ void run_beams_by_scheme(const PaperOptions& options, Report& report) {
                    " elements over its height; it moves for 8 s with a damping of 2/s. Tip in the "
                    "end, m, beside the equilibrium of the same mesh");
   for (const BeamModel& model : beam_models) {
-    const WorkMethod method{model.name, model.model, model.parameters, balanced, {}};
+    const WorkMethod method{model.name, model.model, model.parameters, balanced};
     const Json scene = cantilever_scene(cantilever("A0.25"), {{4 * n, n, n}}, method);
     const std::string column = "tip displacement y [m]";
     const double equilibrium = ProbeTable(scene).last(column);
@@ -173,7 +173,7 @@ void for_each_shape(Visit visit) {
   for (const BeamModel& model : beam_models) {
     const std::string name = model.name;
     if (name != "MSS" && name != "TM") continue;
-    const WorkMethod method{name, model.model, model.parameters, model.solver, {}};
+    const WorkMethod method{name, model.model, model.parameters, model.solver};
     visit(name, cantilever_scene(cantilever("A"), {{40, 10, 10}}, method));
   }
 }
@@ -243,10 +243,10 @@ Json power_law_material(double tau) {
 
 std::vector<LiverModel> liver_models() {
   const Json elastic{{"E", 1000}, {"nu", 0.499}, {"rho", 1000}};
-  return {{"MSS", static_method("mss-baudet", "", {}), elastic},
-          {"TM", static_method("tm-faure", "trilinear", {}), elastic},
-          {"TM, mean gradient", static_method("tm-faure", "mean-gradient", {}), elastic},
-          {"visco", static_method("visco", "", {}), power_law_material(1e-3)}};
+  return {{"MSS", static_method("mss-baudet", ""), elastic},
+          {"TM", static_method("tm-faure", "trilinear"), elastic},
+          {"TM, mean gradient", static_method("tm-faure", "mean-gradient"), elastic},
+          {"visco", static_method("visco", ""), power_law_material(1e-3)}};
 }
 
 void run_liver(const PaperOptions& options, Report& report) {
@@ -292,7 +292,7 @@ void run_small_rates(Report& report) {
   report.begin("power law, one element",
                "ideal simple shear at the paper's rates times 1e-4, 1,000 equilibria until the "
                "time of the row: stress of visco / law - 1");
-  const WorkMethod visco = static_method("visco", "", {});
+  const WorkMethod visco = static_method("visco", "");
   for (const double time : {0.1, 0.3, 1.0, 3.0, 10.0}) {
     Line line;
     line.add("t, s", time);
@@ -315,7 +315,7 @@ void run_linear_range(const PaperOptions& options, Report& report) {
                "the block at the paper's rates, visco with tau a hundredth of the time to a shear "
                "of 0.01, 40 equilibria to a shear of 0.01 and 40 to 0.1: stress / (0.914 times the "
                "law) - 1");
-  const WorkMethod visco = static_method("visco", "", {});
+  const WorkMethod visco = static_method("visco", "");
   for (const double most : {0.01, 0.1}) {
     std::vector<ProbeTable> found;
     for (const double rate : rates)

@@ -62,7 +62,6 @@ ProcessUse run_process(std::vector<std::string> words, const fs::path& folder) {
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   return {.cpu = seconds(used.ru_utime) + seconds(used.ru_stime),
           .wall = wall.count(),
-          .peak_bytes = 1024.0 * static_cast<double>(used.ru_maxrss),
           .code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status)};
 }
 

@@ -23,8 +23,7 @@ class WorkingFolder {
 /// What a process took from its start to its end.
 struct ProcessUse {
   double cpu = 0, wall = 0;  ///< s; cpu: user and system
-  double peak_bytes = 0;
-  int code = 0;  ///< exit code; 128 + n if signal n ended it
+  int code = 0;              ///< exit code; 128 + n if signal n ended it
 };
 
 /// Runs a program, found on the PATH unless its name contains a slash, silently in a folder.

@@ -7,7 +7,6 @@ surface in CalculiX (needs `gmsh` and `ccx`). Prints a table in Markdown.
     shape_precision.py path/to/suture
 """
 
-import csv
 import json
 import math
 import pathlib
@@ -16,6 +15,8 @@ import statistics
 import subprocess
 import sys
 import tempfile
+
+from harness import last_row
 
 E, NU, DENSITY = 1000.0, 0.3, 1000  # Pa, 1, kg/m^3
 MATERIAL = {"model": "hooke", "parameters": {"E": E, "nu": NU, "rho": DENSITY, "element": "mean-gradient"}}
@@ -91,11 +92,6 @@ def sphere_surface(file, rings=120):
     points, triangles = ball(OUTER, rings, 0, False)
     hollow, inside = ball(INNER, rings, len(points), True)
     write_obj(file, points + hollow, triangles + inside)
-
-
-def last_row(file):
-    with open(file, encoding="ascii") as table:
-        return list(csv.DictReader(table))[-1]
 
 
 def run_scene(suture, folder, scene):

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Time, iterations and error of static equilibria: from rest, and after a cut; CalculiX beside
-// them where it is installed.
+// Time, iterations and error of static equilibria: from rest, and after a cut. static.py puts
+// CalculiX beside them.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,13 +9,11 @@
 #include <map>
 #include <memory>
 
-#include "apps/suture-bench/calculix.hpp"
 #include "apps/suture-bench/cantilever.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/solve_case.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "apps/suture-bench/work_scene.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/topology/dart.hpp"
@@ -25,9 +23,9 @@ namespace {
 
 struct StaticOptions {
   std::vector<std::string> cases{"A", "A0.25"}, models{"tm-faure"},
-      elements{"trilinear", "mean-gradient"}, files, calculix_elements{"C3D8", "C3D8I"};
-  std::vector<Index> across{5, 10, 20}, calculix{5, 10};
-  bool distorted = false, beside = true;
+      elements{"trilinear", "mean-gradient"}, files;
+  std::vector<Index> across{5, 10, 20};
+  bool distorted = false;
   double cut = 1;  ///< % of the inner faces; 0: no cuts
 };
 
@@ -111,15 +109,11 @@ class Bench {
                   "0.3) from rest to 1e-8, after the mesh is read and the body built: CPU s of one "
                   "thread; growth: exponent of the time since the row before; relative_error: of "
                   "the tip beside converged solutions, discrete_error: beside DOLFINx on the same "
-                  "mesh; CalculiX: the whole process");
-    for (const std::string& name : options_.cases) {
+                  "mesh");
+    for (const std::string& name : options_.cases)
       for_each_use([&](const suture_model& model, const std::string& element) {
         for (const Index n : options_.across) from_rest(cantilever(name), model, element, n);
       });
-      beside(cantilever(name));
-    }
-    if (options_.beside && !has_calculix())
-      std::printf("CalculiX (ccx) is not installed: its rows are left out\n");
     if (options_.cut > 0) after_cuts();
   }
 
@@ -161,26 +155,6 @@ class Bench {
       return unknown;
     return std::log(row.solution.seconds / before.solution.seconds) /
            std::log(row.elements / before.elements);
-  }
-
-  /// CalculiX's rows.
-  void beside(const Cantilever& what) {
-    if (!options_.beside || !has_calculix()) return;
-    for (const std::string& element : options_.calculix_elements)
-      for (const Index n : options_.calculix) {
-        const auto scene =
-            cantilever_scene(what, {{4 * n, n, n}}, static_method("tm-faure", "", {}));
-        const CalculixRun found = run_calculix(scene, box_of(scene), {.element = element});
-        Row row{.name = what.name, .model = "CalculiX", .element = element};
-        row.elements = 4.0 * n * n * n;
-        row.solution = {.seconds = found.seconds, .newton = found.iterations, .krylov = unknown};
-        row.tip = found.probe[1];
-        row.converged = what.converged;
-        row.whole_seconds = found.seconds;
-        row.peak = found.peak_bytes;
-        row.growth = growth(row);
-        report_.add(row.line());
-      }
   }
 
   // -------------------------------------------------------------- after a cut --
@@ -284,9 +258,6 @@ void add_static(CommandLine& line) {
   command.option("--cut", &options.cut, "% of the inner faces that are cut; 0: none")
       .within(0., 100.);
   command.option("--files", &options.files, "Meshes to cut, held at their lowest tenth");
-  command.option("--calculix", &options.calculix, "Cells over the height for CalculiX");
-  command.flag("!--no-calculix", &options.beside, "Leave out CalculiX");
-  command.option("--calculix-elements", &options.calculix_elements, "C3D8, C3D8I, C3D20R");
 }
 
 }  // namespace suture::bench

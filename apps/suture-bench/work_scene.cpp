@@ -1,34 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture-bench/work_scene.hpp"
 
-#include "kernel/mesh/box.hpp"
-
 namespace suture::bench {
 
 using Json = nlohmann::json;
 
-double WorkMesh::dofs() const { return 3.0 * (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1); }
-
-std::string WorkMesh::name() const {
-  std::string text =
-      std::to_string(cells[0]) + "x" + std::to_string(cells[1]) + "x" + std::to_string(cells[2]);
-  if (grading != 1) text += " graded " + std::to_string(static_cast<int>(grading));
-  return text;
-}
-
-WorkMethod static_method(const std::string& model, const std::string& element,
-                         std::vector<WorkMesh> meshes) {
+WorkMethod static_method(const std::string& model, const std::string& element) {
   const std::string parameters = element.empty() ? "{}" : R"({"element": ")" + element + R"("})";
   return {model + (element.empty() ? "" : " " + element) + ", static", model, parameters,
-          static_solver, std::move(meshes)};
+          static_solver};
 }
 
-Json box_scene(const WorkMesh& mesh, const Vec3& size, const WorkMethod& method,
+Json box_scene(const std::array<Index, 3>& cells, const Vec3& size, const WorkMethod& method,
                const Json& material) {
   Json parameters = Json::parse(method.parameters);
   parameters.update(material);
-  Json box = {{"size", size}, {"cells", mesh.cells}};
-  if (mesh.grading != 1) box["grading"] = {mesh.grading, 1, 1};
+  Json box = {{"size", size}, {"cells", cells}};
   return {{"suture", 1},
           {"mesh", {{"box", box}}},
           {"models", {{{"model", method.model}, {"parameters", parameters}}}},
@@ -44,8 +31,8 @@ Json held(const std::string& set) { return {{"fix", "xyz"}, {"where", {{"set", s
 namespace {
 
 /// The centre of the end face: one node, or the mean of four.
-Json tip_probe(const WorkMesh& mesh) {
-  const double reach = 0.6 * 0.25 / mesh.cells[1];
+Json tip_probe(const std::array<Index, 3>& cells) {
+  const double reach = 0.6 * 0.25 / cells[1];
   return {{"name", "tip"},
           {"fields", {"displacement"}},
           {"where",
@@ -56,19 +43,14 @@ Json tip_probe(const WorkMesh& mesh) {
 
 }  // namespace
 
-Json cantilever_scene(const Cantilever& what, const WorkMesh& mesh, const WorkMethod& method) {
+Json cantilever_scene(const Cantilever& what, const std::array<Index, 3>& cells,
+                      const WorkMethod& method) {
   Json scene =
-      box_scene(mesh, {1, 0.25, 0.25}, method, {{"E", 4e5}, {"nu", what.nu}, {"rho", 1000}});
+      box_scene(cells, {1, 0.25, 0.25}, method, {{"E", 4e5}, {"nu", what.nu}, {"rho", 1000}});
   scene["gravity"] = {0, -what.gravity, 0};
   scene["constraints"] = {held("x0")};
-  scene["output"] = tables(tip_probe(mesh));
+  scene["output"] = tables(tip_probe(cells));
   return scene;
-}
-
-Mesh box_of(const Json& scene) {
-  const Json& box = scene["mesh"]["box"];
-  return make_box({box.value("origin", Vec3{}), box["size"], box["cells"],
-                   box.value("grading", Vec3{1, 1, 1})});
 }
 
 }  // namespace suture::bench

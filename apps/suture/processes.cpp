@@ -2,11 +2,17 @@
 #include "apps/suture/processes.hpp"
 
 #include <sched.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -18,6 +24,7 @@ namespace suture {
 namespace {
 
 std::unique_ptr<Communicator> joined;
+volatile std::sig_atomic_t interrupted = 0;
 
 std::string name_of_machine() {
   std::array<char, 256> name{};
@@ -39,16 +46,15 @@ std::vector<std::string> own_words() {
   return words;
 }
 
-}  // namespace
-
 /// More processes than cores are allowed, none is bound to a core, and root may do this, too. Other
-/// launchers do not read what Open MPI is told here.
-void start_processes(unsigned number) {
+/// launchers do not read what Open MPI is told here. It is quiet: each process says what is wrong.
+[[noreturn]] void become_launcher(unsigned number) {
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
   setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
   setenv("OMPI_MCA_hwloc_base_binding_policy", "none", 0);
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
-  std::vector<std::string> words{"mpirun", "-n", std::to_string(number)};
+  std::vector<std::string> words{"mpirun", "--quiet", "-n", std::to_string(number)};
   std::vector<std::string> own = own_words();
   own.at(0) = std::filesystem::read_symlink("/proc/self/exe");
   words.insert(words.end(), own.begin(), own.end());
@@ -59,6 +65,27 @@ void start_processes(unsigned number) {
   throw InputError(
       "--processes needs mpirun, the launcher of MPI, which cannot be started (Debian: "
       "openmpi-bin)");
+}
+
+}  // namespace
+
+int run_by_processes(unsigned number, Console& console) {
+  std::fflush(nullptr);  // or both processes would write it
+  const pid_t launcher = fork();
+  if (launcher < 0) throw IoError(std::string("no new process: ") + std::strerror(errno));
+  if (launcher == 0) become_launcher(number);
+  // The launcher gets it, too, and ends the run.
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  int status = 0;
+  while (waitpid(launcher, &status, 0) < 0 && errno == EINTR) continue;
+  if (interrupted) return 128 + SIGINT;
+  const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+  if (code > 128)
+    console.error(
+        "signal " + std::to_string(code - 128) +
+        " ended a process, and the others with it: suture-unfinished.txt in the folder of "
+        "the results says how to go on");
+  return code;
 }
 
 Communicator* enter_processes(Console& console) {

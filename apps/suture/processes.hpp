@@ -6,9 +6,10 @@
 
 namespace suture {
 
-/// Starts this command again as several processes, by the launcher of MPI, which replaces this one.
-/// Throws InputError if there is none.
-void start_processes(unsigned number);
+/// Starts this command again as several processes, by the launcher of MPI, and waits for it.
+/// Returns its exit code: that of the run, or 128 and the signal that has ended a process, which it
+/// tells.
+int run_by_processes(unsigned number, Console& console);
 
 /// Joins the other processes that a launcher of MPI has started; null if there are none. All but
 /// process 0 show nothing from now on.

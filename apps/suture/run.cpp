@@ -181,7 +181,8 @@ void report_threads(unsigned wanted, unsigned used, Console& console) {
 }  // namespace
 
 int run(const RunCommand& command, Console& console) {
-  if (command.processes > 1 && !is_one_of_several()) start_processes(command.processes);
+  if (command.processes > 1 && !is_one_of_several())
+    return run_by_processes(command.processes, console);
   catch_signals();
   Communicator* const processes = enter_processes(console);
   const bool writes = !processes || processes->rank() == 0;

@@ -268,8 +268,7 @@ class Contact final : public ContactLaw {
   std::optional<CuttingEdges> edges_;
   std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
-  // Of pushed_, with points:
-  std::vector<PointMass> point_masses_;
+  std::vector<PointMass> point_masses_;       ///< of pushed_, with points, as those below
   std::vector<Vec3> directions_, residuals_;  ///< of the changes, m/s
   std::vector<double> seen_;           ///< what the ways of its vertices were when it was pushed, m
   std::vector<Grouped> grouped_;       ///< all of them

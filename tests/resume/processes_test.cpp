@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <iostream>
 #include <random>
 
@@ -203,6 +204,26 @@ TEST_F(Together, TheProgramStartsThem) {
   EXPECT_EQ(run(what, {scene, "--processes", "2"}, 0, at / "2"), 0) << said(at / "2");
   EXPECT_NE(said(at / "2").find("2 processes make this run"), std::string::npos);
   EXPECT_EQ(difference(at / "0" / "out", at / "2" / "out"), "");
+  EXPECT_EQ(run(what, {"missing.json", "--processes", "2"}, 0, at / "3"), 6);
+  EXPECT_THAT(said(at / "3"), ::testing::MatchesRegex("2 processes make this run\nsuture: error: "
+                                                      "the scene 'missing.json' cannot [^\n]*\n"));
+}
+
+TEST_F(Together, TheProgramTellsThatOneWasKilled) {
+  Case what = cut_beam();
+  what.scene["solver"]["end"] = 1000;
+  what.scene["output"]["every"] = 0.01;
+  const fs::path at = folder_ / "run";
+  write_case(what, at);
+  const Child program(at, {"run", "scene.json", "--processes", "2"});
+  const fs::path out = at / "out";
+  while (!fs::exists(out / "frame_0001.vtu") && !program.has_ended()) usleep(1000);
+  std::string word;
+  pid_t first = 0;  // "Process 123 writes results"
+  ASSERT_TRUE(std::ifstream(out / "suture-unfinished.txt") >> word >> first);
+  kill(first, SIGKILL);
+  EXPECT_EQ(program.wait(), 128 + SIGKILL);
+  EXPECT_THAT(said(at), ::testing::HasSubstr("error: signal 9 ended a process"));
 }
 
 TEST_F(Together, WhatTheyCannotShareIsNamed) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Two of the cases of `suture-bench work-precision`, extrapolated from two small meshes with the
+// Two of the cases of `./dev bench work-precision`, extrapolated from two small meshes with the
 // order that theory gives, beside values of other programs.
 #include <gtest/gtest.h>
 

@@ -24,8 +24,8 @@ constexpr double pushed = 0.5;
 constexpr double marked_outside = 1e-6;
 // Vertices of which the box is tested first, before each of them.
 constexpr std::size_t box_size = 32;
-// How much faster points may approach that are near no triangle: they are 0.1 of an edge away from
-// all (PointPairs), and those that are near approach by 0.05 in a step.
+// How much faster points may approach that are in no pair: they are 0.1 of an edge away from all
+// triangles (PointPairs), and those of pairs approach by 0.05 in a step.
 constexpr double far_over_near = 2;
 
 /// Around rows of 4.

@@ -16,6 +16,7 @@ void PointPairs::find(const LiveMask* moving) {
   if (may_meet_ && (is_stale_ || has_moved())) find_near();
   is_stale_ = false;
   pairs_.clear();
+  near_points_.clear();
   vertices_.clear();
   weights_.clear();
   if (!may_meet_) return;
@@ -25,6 +26,11 @@ void PointPairs::find(const LiveMask* moving) {
                                    [&](const Near& near) { return near.vertex != first->vertex; });
     add_nearest({first, last}, moving);
     first = last;
+  }
+  for (const Pair& pair : pairs_) {
+    near_points_.push_back(pair.point);
+    const auto& corners = points_.triangles()[pair.triangle];
+    near_points_.insert(near_points_.end(), corners.begin(), corners.end());
   }
 }
 
@@ -76,15 +82,8 @@ void PointPairs::find_near() {
 /// all that find_normals() visits in a step.
 void PointPairs::find_around_near() {
   is_near_.assign(points_.size(), 0);
-  std::vector<std::uint8_t> is_corner(points_.size(), 0);
   std::vector<std::uint8_t> is_around(points_.triangles().size(), 0);
-  for (const auto& [point, triangle] : near_) {
-    is_near_[point] = is_around[triangle] = 1;
-    for (const Index corner : points_.triangles()[triangle]) is_corner[corner] = 1;
-  }
-  near_points_.clear();
-  for (Index p = 0; p < points_.size(); ++p)
-    if ((is_near_[p] | is_corner[p]) != 0) near_points_.push_back(p);
+  for (const auto& [point, triangle] : near_) is_near_[point] = is_around[triangle] = 1;
   around_near_.clear();
   for (Index t = 0; t < is_around.size(); ++t) {
     const auto& corners = points_.triangles()[t];

@@ -42,7 +42,8 @@ class PointPairs {
   void follow() { is_stale_ = true; }
   /// False if there is one piece without lips that does not touch itself; after find().
   bool may_meet() const { return may_meet_; }
-  /// The points that may meet a triangle, and the corners of these triangles, ascending.
+  /// The points of pairs and the corners of their triangles, in any order. They depend on the
+  /// places now alone, not on when pairs were last sought: a resumed run takes the same steps.
   std::span<const Index> near_points() const { return near_points_; }
 
   /// Finds the pairs that may touch at the places of the points (SurfacePoints::positions). In each
@@ -124,11 +125,11 @@ class PointPairs {
   std::vector<Near> near_;             ///< ascending
   std::vector<std::uint8_t> is_near_;  ///< by point: of those
   std::vector<Index> around_near_;     ///< triangles of those, or at their points; ascending
-  std::vector<Index> near_points_;     ///< points and corners of those; ascending
   // In the step, of those that are near each other:
   std::vector<Plane> planes_;  ///< by triangle
   std::vector<Vec3> normals_;  ///< by point; not of unit length
   std::vector<Pair> pairs_;
+  std::vector<Index> near_points_;
   std::vector<Index> vertices_;
   std::vector<double> weights_;
 };

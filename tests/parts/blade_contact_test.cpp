@@ -226,6 +226,34 @@ TEST(BladeContact, LipsPushNothingIntoATable) {
   EXPECT_LT(run.simulation.contact()->loads()[1].force[0], -100);
 }
 
+// Lips that approach limit the step, by what is near now: a resumed run seeks again what may touch.
+TEST(BladeContact, AResumedRunTakesTheSameSteps) {
+  Scene scene = slab();
+  scene.mesh.box.reset();
+  scene.mesh.voxels = VoxelOptions{.layers = 2, .rows = {"##.##.##", "##.##.##", "##.##.##"}};
+  scene.models[0].parameters[0] = 1e6;  // E
+  scene.models[0].parameters[2] = 200;  // rho
+  scene.gravity = {0, -10, 0};
+  scene.contact.pieces = true;
+  scene.contact.friction = 0.3;
+  scene.contact.obstacles = {
+      {"left", "/contact/obstacles/0", HalfSpace{{4, -7, 0}, {0.4, 1, 0}}, {}, 0.3},
+      {"right", "/contact/obstacles/1", HalfSpace{{4, -7, 0}, {-0.4, 1, 0}}, {}, 0.3}};
+  scene.solver.dt.reset();
+  scene.solver.damping = 0.2;
+  scene.solver.end = 2;
+  scene.events[0] = divide({4.1, 1.6, 1}, {0.1, 1, 0.2});
+  scene.events[0].at = 0.02;
+  SlabRun whole(scene);
+  whole.simulation.run_to(1.1, whole.nobody);
+  for (const double until : {1.3, 1.5, 1.7}) {
+    SlabRun resumed(scene);
+    resumed.simulation.load(whole.simulation.save());
+    for (SlabRun* run : {&whole, &resumed}) run->simulation.run_to(until, run->nobody);
+    EXPECT_EQ(whole.momentum(), resumed.momentum()) << until;
+  }
+}
+
 /// How far the right arm of a fork has been pushed, whose left arm is pulled 0.6 m past it.
 double pushed_arm(bool self) {
   Scene scene = slab();

@@ -118,8 +118,9 @@ class Mistakes(unittest.TestCase):
         with self.assertRaises(suture.SceneError) as caught:
             suture.Simulation('{"suture": 1,\n "mesh": }')
         self.assertEqual(caught.exception.mistakes[0][1], 2)
-        with self.assertRaises(ValueError):
-            suture.Simulation(bar(gravity=[0, float("nan"), 0]))
+        for bad in ([0, float("nan"), 0], np.array([0, -np.inf, 0]), [0, np.float32("nan"), 0]):
+            with self.assertRaisesRegex(ValueError, "^/gravity/1: must be a finite number"):
+                suture.Simulation(bar(gravity=bad))
 
     def test_selections_that_the_mesh_does_not_have(self):
         scene = bar(constraints=[{"fix": "xyz", "where": {"set": "x9"}}])

@@ -2,6 +2,7 @@
 """Scenes from Python values: what the kernel reads is always one JSON text."""
 
 import json
+import math
 import os
 from collections.abc import Mapping
 
@@ -15,8 +16,27 @@ def _plain(value):
     raise TypeError(f"a scene cannot contain {type(value).__name__} ({value!r})")
 
 
+def _not_finite(value, pointer=""):
+    """The JSON pointer of the first number that is not finite; None without any."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, float):
+        return None if math.isfinite(value) else pointer
+    if isinstance(value, Mapping):
+        parts = value.items()
+    else:
+        parts = enumerate(value) if isinstance(value, (list, tuple)) else ()
+    found = (_not_finite(part, f"{pointer}/{key}") for key, part in parts)
+    return next((place for place in found if place is not None), None)
+
+
 def to_json(value, **options):
-    return json.dumps(value, default=_plain, allow_nan=False, **options)
+    try:
+        return json.dumps(value, default=_plain, allow_nan=False, **options)
+    except ValueError as error:
+        if "Out of range" not in str(error):
+            raise
+        raise ValueError(f"{_not_finite(value) or 'the value'}: must be a finite number") from None
 
 
 def set_texts(values):

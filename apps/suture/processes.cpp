@@ -88,11 +88,15 @@ int run_by_processes(unsigned number, Console& console) {
   return code;
 }
 
-Communicator* enter_processes(Console& console) {
+Communicator* enter_processes(unsigned asked, Console& console) {
   if (!is_one_of_several()) return nullptr;
   joined = join_processes();
   if (joined->size() == 1) return nullptr;
   if (joined->rank() != 0) console.mute();
+  if (asked > 1 && asked != joined->size())
+    throw InputError("--processes is " + std::to_string(asked) +
+                     ", but the launcher of this run has started " +
+                     std::to_string(joined->size()) + "; leave --processes out");
   console.note(std::to_string(joined->size()) + " processes make this run");
   return joined.get();
 }

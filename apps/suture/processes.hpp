@@ -12,8 +12,9 @@ namespace suture {
 int run_by_processes(unsigned number, Console& console);
 
 /// Joins the other processes that a launcher of MPI has started; null if there are none. All but
-/// process 0 show nothing from now on.
-Communicator* enter_processes(Console& console);
+/// process 0 show nothing from now on. Throws InputError if `asked`, unless 0 or 1, is not their
+/// number.
+Communicator* enter_processes(unsigned asked, Console& console);
 
 /// One per core of a machine, divided among its processes; at most one per core that the launcher
 /// allows this process.

@@ -184,7 +184,7 @@ int run(const RunCommand& command, Console& console) {
   if (command.processes > 1 && !is_one_of_several())
     return run_by_processes(command.processes, console);
   catch_signals();
-  Communicator* const processes = enter_processes(console);
+  Communicator* const processes = enter_processes(command.processes, console);
   const bool writes = !processes || processes->rank() == 0;
   PluginHost host(&console.diagnostics());
   std::optional<Recording> recording;

@@ -252,6 +252,9 @@ TEST_F(Together, TheProgramTellsThatOneWasKilled) {
 TEST_F(Together, WhatTheyCannotShareIsNamed) {
   Case what = cut_beam();
   const fs::path at = folder_ / "case";
+  write_case(what, at);
+  EXPECT_EQ(run(what, {at / "scene.json", "--processes", "3"}, 2, at / "three"), 3);
+  EXPECT_NE(said(at / "three").find("the launcher of this run has started 2"), std::string::npos);
   what.scene["solver"] = {{"integrator", "implicit-euler"}, {"dt", 0.01}, {"end", 1}};
   write_case(what, at);
   const std::string scene = (at / "scene.json").string();

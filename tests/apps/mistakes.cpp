@@ -299,7 +299,9 @@ suture_attribute attributes[] = {{.size = sizeof(suture_attribute),
                                   .unit = "kg",
                                   .doc = "share of the mass",
                                   .initial = 0,
-                                  .contributions = contributions}};
+                                  .contributions = contributions,
+                                  .minimum = 0,
+                                  .maximum = 0}};
 
 const std::uint32_t missing_column[] = {3};
 
@@ -321,7 +323,9 @@ suture_functor functors[] = {{.size = sizeof(suture_functor),
                               .doc = "Fails on demand.",
                               .force = force,
                               .extension = extension,
-                              .enabled = enabled}};
+                              .enabled = enabled,
+                              .field = 0,
+                              .reserved_2 = 0}};
 
 suture_model models[] = {{.size = sizeof(suture_model),
                           .flags = 0,

@@ -102,9 +102,9 @@ TEST_F(BadCheckpoint, OfAnotherKindOrVersionOrDamagedIsRefused) {
   write("out/text.h5", "no checkpoint");
   expect_refused("out/text.h5", 3, {"out/text.h5", "is not a Suture checkpoint"});
   bytes = sound;
-  bytes[bytes.find("format ") + 7] = '8';
+  bytes[bytes.find("format ") + 7] = '1';
   write("out/format.h5", bytes);
-  expect_refused("out/format.h5", 3, {"out/format.h5", "format 8"});
+  expect_refused("out/format.h5", 3, {"out/format.h5", "format 1"});
   expect_refused("out/missing.h5", 3, {"out/missing.h5", "cannot be opened", "the newest one"});
   expect_refused("out", 3, {"is a folder"});
   forge("out/older.h5", [](CheckpointHeader& header) { header.program = "suture 0.0.7"; });

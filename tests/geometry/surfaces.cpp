@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/geometry/surfaces.hpp"
 
-#include <unistd.h>
-
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numbers>
+
+#include "tests/mesh/temporary_folder.hpp"
 
 namespace suture::test {
 namespace {
@@ -115,11 +114,8 @@ double winding(const TriangleSurface& surface, const Vec3& p) {
 }
 
 std::filesystem::path file_with(const std::string& name, const std::string& text) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("suture-geometry-" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / name, std::ios::binary) << text;
-  return folder / name;
+  static const TemporaryFolder folder;  // gone when the program ends
+  return folder.write(name, text);
 }
 
 }  // namespace suture::test

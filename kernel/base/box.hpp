@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "kernel/base/types.hpp"
+#include "kernel/base/vec3.hpp"
 
 namespace suture {
 
@@ -28,6 +28,18 @@ inline void include(Box& box, const Vec3& p) {
     box.low[a] = std::min(box.low[a], p[a]);
     box.high[a] = std::max(box.high[a], p[a]);
   }
+}
+
+inline void include_box(Box& box, const Box& other) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.low[a] = std::min(box.low[a], other.low[a]);
+    box.high[a] = std::max(box.high[a], other.high[a]);
+  }
+}
+
+/// 0 of an empty one.
+inline double diagonal_of(const Box& box) {
+  return box.low[0] > box.high[0] ? 0 : norm(minus(box.high, box.low));
 }
 
 /// Whether a point is in the box, or at most `margin` beside it.

@@ -141,8 +141,6 @@ Box box_of(const Column& places) {
   return box;
 }
 
-double diagonal_of(const Box& box) { return norm(minus(box.high, box.low)); }
-
 std::vector<std::string> set_names(const std::map<std::string, std::vector<Index>>& a,
                                    const std::map<std::string, std::vector<Index>>& b) {
   std::vector<std::string> names;

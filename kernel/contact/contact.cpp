@@ -48,11 +48,6 @@ double fastest(const double* rows, std::span<const Index> vertices) {
   return norm(largest);
 }
 
-/// 0 of an empty one.
-double diagonal(const Box& box) {
-  return box.low[0] > box.high[0] ? 0 : norm(minus(box.high, box.low));
-}
-
 }  // namespace
 
 Contact::Contact(const CellComplex& complex, Attributes& attributes,
@@ -150,12 +145,12 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
 /// do not count: they are faster than all of it.
 double Contact::find_closing_speed() {
   const double* velocities = attributes_.velocity().rows();
-  if (pieces_ && pieces_->may_meet()) return diagonal(box_around(velocities, vertices_));
+  if (pieces_ && pieces_->may_meet()) return diagonal_of(box_around(velocities, vertices_));
   if (!pairs_ || !pairs_->may_meet()) return 0;
   points_->gather(attributes_);
-  const double near = diagonal(box_around(points_->velocities(), pairs_->near_points()));
-  return std::max(near,
-                  diagonal(box_around(points_->velocities(), points_->numbers())) / far_over_near);
+  const double near = diagonal_of(box_around(points_->velocities(), pairs_->near_points()));
+  return std::max(
+      near, diagonal_of(box_around(points_->velocities(), points_->numbers())) / far_over_near);
 }
 
 /// By boxes of vertices first.

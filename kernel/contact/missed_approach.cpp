@@ -13,8 +13,6 @@ namespace {
 
 using Cube = std::array<double, 3>;  // whole numbers
 
-double diagonal_of(const Box& box) { return norm(minus(box.high, box.low)); }
-
 /// Between places in the same cube or in two that touch each other.
 double largest_difference(const std::map<Cube, Box>& ways) {
   double largest = 0;
@@ -24,8 +22,7 @@ double largest_difference(const std::map<Cube, Box>& ways) {
       const auto other = ways.find(next);
       if (other == ways.end()) continue;
       Box both = own;
-      include(both, other->second.low);
-      include(both, other->second.high);
+      include_box(both, other->second);
       largest = std::max(largest, diagonal_of(both));
     }
   return largest;

@@ -11,13 +11,6 @@ namespace {
 /// 32 eps.
 constexpr double rounding = 1e-14;
 
-void include_box(Box& box, const Box& other) {
-  for (std::size_t a = 0; a < 3; ++a) {
-    box.low[a] = std::min(box.low[a], other.low[a]);
-    box.high[a] = std::max(box.high[a], other.high[a]);
-  }
-}
-
 Box box_of_vertices(Index first, Index last, const Places& places) {
   Box box = no_box;
   for (Index v = first; v < last; ++v) include(box, places.at(v));

@@ -92,8 +92,7 @@ bool collect(Pipe& output, Pipe& message, Clock::time_point deadline, ChildResul
 
 void wait_for(pid_t child, ChildResult& result) {
   using enum ChildResult::End;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  const int status = status_at_end(child);
   if (result.end == timed_out) return;
   result.end = WIFSIGNALED(status) ? killed : WEXITSTATUS(status) != 0 ? exited : returned;
   result.code = WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status);
@@ -101,11 +100,22 @@ void wait_for(pid_t child, ChildResult& result) {
 
 }  // namespace
 
-ChildResult run_in_child(const std::function<std::string()>& work, double seconds) {
-  Pipe output, message;
+pid_t new_process() {
   std::fflush(nullptr);  // or both processes would write it
   const pid_t child = fork();
   if (child < 0) throw IoError(std::string("no new process: ") + std::strerror(errno));
+  return child;
+}
+
+int status_at_end(pid_t child) {
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  return status;
+}
+
+ChildResult run_in_child(const std::function<std::string()>& work, double seconds) {
+  Pipe output, message;
+  const pid_t child = new_process();
   if (child == 0) be_child(work, output, message);
   output.close_end(1);
   message.close_end(1);

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <sys/types.h>
+
 #include <functional>
 #include <string>
 
 namespace suture {
+
+/// fork(), after all that is buffered has been written. Throws IoError.
+pid_t new_process();
+/// Waits for the end of a child; returns its status, as of waitpid().
+int status_at_end(pid_t child);
 
 /// How a function ended that ran in a process of its own.
 struct ChildResult {

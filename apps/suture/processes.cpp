@@ -8,16 +8,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <csignal>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <thread>
 #include <vector>
 
+#include "apps/suture/child_process.hpp"
 #include "kernel/base/error.hpp"
 
 namespace suture {
@@ -47,7 +45,8 @@ std::vector<std::string> own_words() {
 }
 
 /// More processes than cores are allowed, none is bound to a core, and root may do this, too. Other
-/// launchers do not read what Open MPI is told here. It is quiet: each process says what is wrong.
+/// launchers do not read these variables of Open MPI. The launcher adds no messages of its own,
+/// because each process reports its errors.
 [[noreturn]] void become_launcher(unsigned number) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
@@ -70,14 +69,11 @@ std::vector<std::string> own_words() {
 }  // namespace
 
 int run_by_processes(unsigned number, Console& console) {
-  std::fflush(nullptr);  // or both processes would write it
-  const pid_t launcher = fork();
-  if (launcher < 0) throw IoError(std::string("no new process: ") + std::strerror(errno));
+  const pid_t launcher = new_process();
   if (launcher == 0) become_launcher(number);
   // The launcher gets it, too, and ends the run.
   std::signal(SIGINT, [](int) { interrupted = 1; });
-  int status = 0;
-  while (waitpid(launcher, &status, 0) < 0 && errno == EINTR) continue;
+  const int status = status_at_end(launcher);
   if (interrupted) return 128 + SIGINT;
   const int code = WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   if (code > 128)

@@ -336,11 +336,11 @@ void Motion::require_finite_reactions(bool divides) const {
   if (divides) {
     const PartialRows::OwnIsEnough enough(body_.attributes().partial_rows());
     const Column& force = body_.attributes().force();
-    const BodyShare& share = *body_.share();
+    BodyShare& share = *body_.share();
     const bool is_good =
         constraints.first_not_finite(force, share.own().begin, share.own().end) == none &&
         constraints.first_not_finite(force, share.common_begin()) == none;
-    if (body_.share()->all(is_good)) return;
+    if (share.all(is_good)) return;
   }
   const Index vertex = constraints.first_not_finite(body_.attributes().force());
   if (vertex != none) refuse_vertex("the force on node ", vertex);

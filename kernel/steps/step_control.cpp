@@ -380,7 +380,7 @@ void StepControl::give_up(const NumericalError& error) {
 
 void StepControl::state(Archive& archive) {
   Attributes& attributes = built_.body().attributes();
-  if (scene_.checkpoint.enabled) {  // which have the kept states, of all vertices
+  if (scene_.checkpoint.enabled) {  // a checkpoint may hold this state, and needs the rows of all
     attributes.position();
     attributes.velocity();
   }

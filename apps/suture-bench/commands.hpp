@@ -51,8 +51,6 @@ void add_rest(CommandLine& line);
 void add_solve(CommandLine& line);
 /// Static equilibria: time, iterations and error.
 void add_static(CommandLine& line);
-/// Static equilibria where the stiffness jumps.
-void add_inclusions(CommandLine& line);
 /// Implicit steps: time and iterations.
 void add_implicit(CommandLine& line);
 /// Equilibria at frame rate, with cuts.
@@ -62,9 +60,6 @@ void add_modes(CommandLine& line);
 
 /// Near pairs, and what contact adds to a step.
 void add_contact(CommandLine& line);
-
-/// The paper's experiments beside formulas, laws and references.
-void add_paper(CommandLine& line);
 
 /// The bodies that are cut, written as surfaces.
 void add_bodies(CommandLine& line);

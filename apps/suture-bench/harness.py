@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the benchmarks that are scripts share: processes with their use of the machine, and reports as suture-bench
 prints and writes them."""
+import argparse
 import csv
 import dataclasses
 import json
@@ -24,11 +25,11 @@ class ProcessUse:
     code: int  # exit code; 128 + n if signal n ended it
 
 
-def run_process(words, folder):
-    """Runs a program silently in a folder."""
+def run_process(words, folder, output=subprocess.DEVNULL):
+    """Runs a program in a folder, silently unless its output goes to a file."""
     begin = time.monotonic()
     child = subprocess.Popen([str(w) for w in words], cwd=folder, stdin=subprocess.DEVNULL,
-                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                             stdout=output, stderr=output)
     _, status, used = os.wait4(child.pid, 0)
     code = os.waitstatus_to_exitcode(status)
     child.returncode = code  # so that Popen does not wait for it again
@@ -38,15 +39,48 @@ def run_process(words, folder):
                       code if code >= 0 else 128 - code)
 
 
-def last_row(file):
-    """Of a table that `suture run` wrote: texts by the names of the columns."""
+UNFIT = (2, 3, 4, 6)  # exit codes of `suture run`: the command, the scene, a plugin or a file is not as it should be
+
+
+def run_scene(programs, scene, folder, name="out"):
+    """Runs `suture run` on a scene, whose results are in the folder `name` below `folder`. Raises RuntimeError if the
+    scene cannot be run at all."""
+    (folder / f"{name}.json").write_text(json.dumps(scene))
+    use = run_process([programs / "suture", "run", "-q", f"{name}.json", "--output", name], folder)
+    if use.code in UNFIT:
+        raise RuntimeError(f"{programs / 'suture'} cannot run a scene of this benchmark: exit code {use.code}")
+    return use
+
+
+def probe_rows(file):
+    """A table that `suture run` wrote: texts by the names of the columns, row by row."""
     with open(file, encoding="ascii") as table:
-        return list(csv.DictReader(table))[-1]
+        return list(csv.DictReader(table))
+
+
+def last_row(file):
+    return probe_rows(file)[-1]
 
 
 def written(value):
     """Four digits, as suture-bench shows them."""
     return value if isinstance(value, str) else f"{value:.4g}"
+
+
+def option_parser(description):
+    """Of a script: where the programs are, and --json."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("programs", type=lambda p: pathlib.Path(p).resolve(), help="Folder of suture and suture-bench")
+    parser.add_argument("--json", type=pathlib.Path, help="Write the figures to this file as well")
+    return parser
+
+
+def from_suture_bench(programs, *words):
+    """The figures that suture-bench makes itself, as it writes them; it prints them, too."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "figures.json"
+        subprocess.run([programs / "suture-bench", *words, "--json", file], check=True)
+        return json.loads(file.read_text())
 
 
 class Report:
@@ -55,7 +89,7 @@ class Report:
 
     def __init__(self, file=None, programs=None):
         self.file = file
-        self.machine = machine(programs) if file else None
+        self.machine = from_suture_bench(programs, "machine")["machine"] if file else None
         self.tables, self.rows, self.head = {}, None, None
 
     def begin(self, name, note):
@@ -77,16 +111,9 @@ class Report:
             write_tables(self.file, self.machine, self.tables)
 
 
-def machine(programs):
-    with tempfile.TemporaryDirectory() as folder:
-        file = pathlib.Path(folder) / "machine.json"
-        subprocess.run([programs / "suture-bench", "machine", "--json", file], check=True)
-        return json.loads(file.read_text())["machine"]
-
-
 def write_tables(file, of_machine, tables):
-    """A figure that is not known is null."""
+    """A figure that is not known is null, as is one that is not finite."""
     known = {name: {"note": table["note"], "rows": [
-        {k: None if isinstance(v, float) and math.isnan(v) else v for k, v in row.items()}
+        {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in row.items()}
         for row in table["rows"]]} for name, table in tables.items()}
     file.write_text(json.dumps({"machine": of_machine, "tables": known}, indent=2) + "\n")

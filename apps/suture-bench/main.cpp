@@ -29,12 +29,10 @@ int main(int argc, char** argv) {
   suture::bench::add_rest(line);
   suture::bench::add_solve(line);
   suture::bench::add_static(line);
-  suture::bench::add_inclusions(line);
   suture::bench::add_implicit(line);
   suture::bench::add_quasi_static(line);
   suture::bench::add_modes(line);
   suture::bench::add_contact(line);
-  suture::bench::add_paper(line);
   suture::bench::add_bodies(line);
   try {
     return line.run(argc, argv);

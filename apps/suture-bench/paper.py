@@ -1,193 +1,375 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make docs/paper.md and its plots from the output of `suture-bench paper --json`.
+"""The paper's experiments (Golec, Coquet, Zara, Damiand, WSCG 2015), Fig. 6, 7, 13 and 14, by whole runs of
+`suture run`: beside the formula or law that the paper compares with, and references of other programs.
 
-usage: paper.py FOLDER DOCS
-       paper.py --figure 6|14 PAPER.json PICTURE
+    paper.py path/to/programs [--json FILE]
+    paper.py path/to/programs --figure 6|7|13|14 [-o PICTURE]
 
-FOLDER holds paper.json; without it, nothing is done. Fig. 5 and 8 are added from cut.json and
-scaling.json, if they are there. The second form draws one figure, for suture-bench paper --figure.
+(Fig. 5: suture-bench cut; 8: suture-bench scaling; 9, 10: suture run and plot of the scenes cut-beam and letters.)
 """
-import json
+import collections
+import math
 import pathlib
 import sys
+import tempfile
 
-import matplotlib.pyplot as plt
-
-from report import machine_text, save, shown, table_text
-
-HEAD = """# The paper's experiments
-
-Written by `./dev bench paper` (Fig. 5 and 8: `./dev bench cut scaling paper`). The paper: K. Golec, M. Coquet, F. Zara,
-G. Damiand, WSCG 2015. Each value is that of a whole run of `suture run`, beside the formula or law that the paper compares
-with and beside a solution of another program in three dimensions. `suture-bench paper --figure N` draws one figure in less
-than two minutes: 6, 7, 13 or 14.
-
-"""
-
-BEAM = """## Fig. 6: the cantilever at rest
-
-The formula is that of Euler and Bernoulli, for small deflections and without shear. At the paper's load it gives -0.588 m of
-a beam of 1 m, far outside its range: the solution of the same law in three dimensions is -0.512 m (10x10x40 quadratic
-elements; at this load finer meshes have no limit, see [accuracy.md](accuracy.md)). What comes close to the formula there is
-wrong. At a thousandth of the load all laws are linear and the reference has a limit; the formula is 4 % short of it,
-because it leaves out the shear.
-
-`MSS` at the full load rests in a state of a lattice that has hourglassed: its deflection grows under refinement, past the
-formula. TM approaches the reference from below, as a conforming element does.
-"""
-
-SCHEMES = """The same for the schemes that compute motion. The step of each is chosen so that its run costs about as much CPU time as
-explicit steps do. Position based dynamics (`xpbd`) is too soft by what its steps leave out of the stiffness. Implicit Euler rests
-where its forces do, whatever its step is, solved or on a budget of 10 iterations.
-"""
-
-SAME_SCHEMES = """The same schemes at equal time.
-"""
-
-EQUILIBRIA = """## Fig. 7: both equilibria
-
-10x10x40 elements at the full load, coloured by the largest principal strain. `suture-bench paper --pictures FOLDER`, then
-`xvfb-run -a docs/images/render.py --field principal_strain --beside FOLDER/TM/run.pvd FOLDER/MSS/run.pvd
-docs/images/paper-equilibria.png`.
-
-![MSS and TM](images/paper-equilibria.png)
-"""
-
-LIVER = """## Fig. 14: shear of liver
-
-A block of 10x10x30 mm, 10x10x30 elements, between two plates; the upper one moves along the long side at the rates of the
-measurement. E = 1000 Pa and nu = 0.499 for MSS and TM as in the paper, K = 861 Pa s^n and n = 0.1138 for `visco`. The runs
-are quasi-static: inertia is negligible in the measurement. The paper's models are elastic: their stress is
-proportional to the strain whatever the rate is, and at E = 1000 Pa it is less than half of what was measured.
-At the largest rate the shear reaches 1.34; the law of TM (St Venant and Kirchhoff) stiffens without bound there.
-"""
-
-SMALL = """The law is linear; so is `visco` in ideal simple shear (asked: within 2 % from 0.1 to 10 s):
-"""
-
-RANGE = """The block has free sides and is softer than a plate without end: 0.914 times at small shear (DOLFINx). Asked: within
-2 % of that up to a shear of 0.01. The first rows of each ramp, 10 and 20 equilibria after its start, have the largest error
-of the steps. Beyond, the stress stays linear: the neo-Hookean law is linear in simple shear at any strain, and in this block
-nearly so up to 0.1. In Fig. 14, at 20 equilibria until 2 s, `visco` stays about as far below the law of the plate without
-end as the free sides make it softer, up to a shear of 1.3.
-"""
-
-# The paper's Table 1, ms on one core of an i5-4690, by its bodies.
-PAPER_CUTS = {"frog": (4.0, 2.0), "elephant": (14.5, 7.6), "mushroom": (32.2, 17.7),
-              "giraffe": (176.3, 91.6)}
-PAPER_SPEED_UPS = {"MSS": 1.45, "TM": 2.73}
+from harness import UNKNOWN, Report, option_parser, probe_rows, run_process, run_scene
+from work_cases import (CANTILEVERS, Cells, Method, bars, box, box_scene, cantilever_scene, plate,
+                        static_method)
 
 
-def plot_beam(rows):
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4))
-    at = [0, 25, 50, 75, 100]
-    for axis, load in zip(axes, dict.fromkeys(r["load"] for r in rows)):
-        for i, row in enumerate(r for r in rows if r["load"] == load):
-            y = [0] + [row[f"y at {x} cm, m"] for x in at[1:]]
-            style = {"beam formula": "--", "3D reference": "-"}.get(row["model"])
-            axis.plot(at, y, style or "o-", color="k" if style else plt.cm.tab20(i), markersize=3,
-                      linewidth=1, label=f"{row['model']} {row['mesh']}".strip())
-        axis.set_title(f"load: {load}")
-        axis.set_xlabel("x, cm")
-        axis.set_ylabel("y, m")
-    axes[0].legend(fontsize=6)
-    figure.tight_layout()
+def note_of(code):
+    return {0: "", 5: "no equilibrium was found (exit code 5)"}.get(code, f"exit code {code}")
 
 
-def plot_liver(rows):
-    models = [name for name in rows[0] if name not in ("rate, 1/s", "t, s", "shear")]
-    rates = list(dict.fromkeys(r["rate, 1/s"] for r in rows))
-    figure, axes = plt.subplots(1, len(rates), figsize=(11, 3.6))
-    for axis, rate in zip(axes, rates):
-        mine = [r for r in rows if r["rate, 1/s"] == rate]
-        for name in models:
-            style = "k--" if name == "measured law" else "-"
-            axis.plot([r["t, s"] for r in mine], [r[name] for r in mine], style, label=name)
-        axis.set_ylim(0, 1.3 * max(r["measured law"] for r in mine))
-        axis.set_title(f"{rate:g} 1/s")
-        axis.set_xlabel("t, s")
-    axes[0].set_ylabel("stress on the plate, Pa")
-    axes[0].legend()
-    figure.tight_layout()
+class ProbeTable:
+    """A whole run of `suture run`, and the columns of its probes.csv, by name."""
+
+    def __init__(self, programs, scene):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            use = run_scene(programs, scene, folder)
+            self.code, self.cpu = use.code, use.cpu
+            table = folder / "out/probes.csv"
+            self.rows = probe_rows(table) if table.exists() else []
+
+    def last(self, column):
+        """NaN if the run has no such column."""
+        return float(self.rows[-1].get(column, UNKNOWN)) if self.rows else UNKNOWN
+
+    def at(self, time, column):
+        """The value at a time, NaN if the run has no row there."""
+        near = (float(row[column]) for row in self.rows if abs(float(row["time [s]"]) - time) < 1e-9 * time)
+        return next(near, UNKNOWN)
 
 
-def sample(rows):
-    """The rows at a few times."""
-    return {"rows": [r for r in rows if any(abs(r["t, s"] - t) < 1e-9 for t in (0.1, 0.5, 1, 2))]}
+# ------------------------------------------------------------ schemes in motion --
+
+# Members of a solver, and a step for the first try, s; None: the scheme's own.
+Scheme = collections.namedtuple("Scheme", "name members step")
+SCHEMES = [Scheme("explicit", {"integrator": "velocity-verlet"}, None),
+           Scheme("implicit-euler", {"integrator": "implicit-euler"}, 1 / 60),
+           Scheme("implicit-euler, 10 iterations", {"integrator": "implicit-euler", "budget": {"iterations": 10}},
+                  1 / 60),
+           Scheme("xpbd", {"integrator": "xpbd"}, 1 / 240)]
+# A moving run of a scene for `end` seconds, and the value in which it ends: s, 1/s, -, times `scale`, and as that.
+Motion = collections.namedtuple("Motion", "scene end damping column scale equilibrium")
 
 
-def schemes_text(tables, figure, introduction=SAME_SCHEMES):
-    """The schemes at equal time, where they were run."""
-    table = tables.get(f"{figure}, schemes")
-    return table and f"{introduction}\n{table['note'][0].upper()}{table['note'][1:]}.\n\n{table_text(table)}\n"
+def run_scheme(programs, motion, scheme, step):
+    solver = {**scheme.members, "end": motion.end, "damping": motion.damping, "threads": 1}
+    return ProbeTable(programs, {**motion.scene, "solver": {**solver, "dt": step} if step else solver})
 
 
-def tables_of(file):
-    return json.loads(file.read_text())["tables"] if file.exists() else {}
+def report_schemes(programs, model, motion, report):
+    """One row for each scheme: explicit steps, and others with steps of which a run costs as much time as explicit
+    steps do."""
+    wanted = None
+    for scheme in SCHEMES:
+        step = scheme.step
+        found = run_scheme(programs, motion, scheme, step)
+        wanted = wanted or found.cpu
+        for _ in range(2 if step else 0):
+            step *= found.cpu / wanted
+            found = run_scheme(programs, motion, scheme, step)
+        value = motion.scale * found.last(motion.column) if found.code == 0 else UNKNOWN
+        report.add({"model": model, "scheme": scheme.name, "dt, s": step or UNKNOWN, "CPU, s": found.cpu,
+                    "value": value, "value / equilibrium - 1": value / motion.equilibrium - 1,
+                    "note": f"stopped, exit code {found.code}" if found.code else ""})
 
 
-def cuts_text(tables):
-    """The paper's Table 1 beside the same numbers of elements and faces here."""
-    if "cut bodies" not in tables:
-        return ""
-    lines = ["## Fig. 5 and Table 1: cuts\n",
-             "ms for a cut; the paper's bodies are not public, ours have as many elements and nearly as many faces\n",
-             "| body | faces | method | ms, this machine | the paper's, i5-4690 | its predecessor there |",
-             "|---|---|---|---|---|---|"]
-    for row in tables["cut bodies"]["rows"]:
-        if row["mesh"] in PAPER_CUTS:
-            before, paper = PAPER_CUTS[row["mesh"]]
-            lines.append(f"| {row['mesh']} | {shown(row['faces'])} | {row['method']} | {shown(row['ms'])} | {paper} | {before} |")
-    return "\n".join(lines) + "\n"
+# -------------------------------------------------------------------- Fig. 6 --
+
+STATIONS = (0.25, 0.5, 0.75, 1)  # m
+
+# The paper's beam at one load, with a reference in three dimensions: uy at the stations, m.
+BeamLoad = collections.namedtuple("BeamLoad", "name cantilever reference source")
+BEAM_LOADS = [
+    BeamLoad("full", CANTILEVERS["A"], (-0.0701141807, -0.2018940808, -0.3553193745, -0.5119929186),
+             "DOLFINx, 10x10x40 quadratic"),
+    BeamLoad("1/1000", CANTILEVERS["B"], (-7.545390421e-5, -2.301885932e-4, -4.186071992e-4, -6.131836275e-4),
+             "DOLFINx, 12x12x36 quadratic, graded")]
+
+RELAXED = {"until": "rest", "on_inversion": "warn"}
+BALANCED = {"static": {}}
+BEAM_MODELS = [Method("MSS", "mss-baudet", {}, RELAXED, ()),
+               Method("MSS, corrected", "mss-baudet", {"correction": True}, RELAXED, ()),
+               Method("MSS with volume (mss-golec)", "mss-golec", {}, BALANCED, ()),
+               Method("TM", "tm-faure", {}, BALANCED, ()),
+               Method("TM, mean gradient", "tm-faure", {"element": "mean-gradient"}, BALANCED, ())]
 
 
-def speed_ups_text(tables):
-    text = ("## Fig. 8: speed-up\n\nThe paper: 1.45 (MSS) and 2.73 (TM) on the mean, 4 threads of an i5-4690. Here: "
-            "[benchmarks.md](benchmarks.md#threads), by size, beside what threads that share nothing gain on that machine.\n")
-    lines = []
-    for name, table in tables.items():
-        model = name.removeprefix("scaling: ")
-        if model in PAPER_SPEED_UPS:
-            best = max(table["rows"], key=lambda r: r["elements"])
-            lines.append(f"| {model} | {shown(best['elements'])} | {shown(best['speed-up'])} | {PAPER_SPEED_UPS[model]} |")
-    if lines:
-        threads = shown(tables["scaling: the machine"]["rows"][0]["threads"])
-        lines = [f"\n| model | elements | {threads} threads, this machine | the paper's mean |", "|---|---|---|---|"] + lines
-    return text + "\n".join(lines)
+def beam_formula(gravity, x):
+    """y = rho g l h / (24 E I) (4 L x^3 - 6 L^2 x^2 - x^4), I = l h^3 / 12."""
+    rho, young, h, length = 1000, 4e5, 0.25, 1
+    return rho * gravity / (2 * young * h * h) * (4 * length * x**3 - 6 * length * length * x * x - x**4)
 
 
-def draw(number, file, picture):
-    """Figure 6 or 14 alone."""
-    plot = {"6": plot_beam, "14": plot_liver}[number]
-    plot(tables_of(pathlib.Path(file))[f"Fig. {number}"]["rows"])
-    plt.savefig(picture)
+def station_name(x):
+    return f"y{100 * x:.0f}"
+
+
+def beam_scene(what, model, across, solver=None):
+    scene = cantilever_scene(what, bars(across)[0], model)
+    return {**scene, "solver": solver or model.solver}
+
+
+def beam_probes(across):
+    """The mean displacement of the nodes nearest to the axis of the beam, at each station."""
+    reach = 0.6 * 0.25 / across
+    return [{"name": station_name(x), "fields": ["displacement"],
+             "where": box((x - 1e-6, 0.125 - reach, 0.125 - reach), (x + 1e-6, 0.125 + reach, 0.125 + reach))}
+            for x in STATIONS]
+
+
+def beam_row(load, model, mesh, y, note):
+    return {"load": load.name, "model": model, "mesh": mesh,
+            **{f"y at {100 * x:.0f} cm, m": value for x, value in zip(STATIONS, y)},
+            "tip / formula - 1": y[-1] / beam_formula(load.cantilever.gravity, 1) - 1,
+            "tip / 3D reference - 1": y[-1] / load.reference[-1] - 1, "note": note}
+
+
+def run_beam(options, load, model, across):
+    scene = beam_scene(load.cantilever, model, across)
+    scene["output"]["probes"]["at"] = beam_probes(across)
+    found = ProbeTable(options.programs, scene)
+    y = [found.last(f"{station_name(x)} displacement y [m]") for x in STATIONS]
+    return beam_row(load, model.name, f"{across}x{across}x{4 * across}", y, note_of(found.code))
+
+
+def run_beams(options, report):
+    report.begin("Fig. 6", "the cantilever at rest, deflection of its axis")
+    for load in BEAM_LOADS:
+        y = [beam_formula(load.cantilever.gravity, x) for x in STATIONS]
+        report.add(beam_row(load, "beam formula", "", y, "of small deflections, without shear"))
+        report.add(beam_row(load, "3D reference", "", load.reference, load.source))
+        for model in BEAM_MODELS:
+            for across in options.across:
+                report.add(run_beam(options, load, model, across))
+
+
+def run_beams_by_scheme(options, report):
+    """Until all is at rest but for 1e-3 of the tip."""
+    across, column = options.across[0], "tip displacement y [m]"
+    report.begin("Fig. 6, schemes",
+                 f"the cantilever at a quarter of the paper's load, {across} elements over its height; it moves for "
+                 "8 s with a damping of 2/s. Tip in the end, m, beside the equilibrium of the same mesh")
+    for model in BEAM_MODELS:
+        scene = beam_scene(CANTILEVERS["A0.25"], model, across, BALANCED)
+        equilibrium = ProbeTable(options.programs, scene).last(column)
+        report_schemes(options.programs, model.name, Motion(scene, 8, 2, column, 1, equilibrium), report)
+
+
+# -------------------------------------------------------------------- Fig. 7 --
+
+# The largest principal strain of any element, by which the figure is coloured.
+STRAIN_COLUMN = "strain principal_strain 1"
+STRAIN_PROBE = {"name": "strain", "fields": ["principal_strain"], "of": "max", "where": box((-1, -1, -1), (2, 2, 2))}
+
+
+def shapes():
+    """(name, scene) of the models of the figure, at the paper's load."""
+    return [(model.name, beam_scene(CANTILEVERS["A"], model, 10)) for model in BEAM_MODELS
+            if model.name in ("MSS", "TM")]
+
+
+def write_equilibria(programs, folder):
+    """The equilibria of MSS and TM as frames, in the folders MSS and TM."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, scene in shapes():
+        run_scene(programs, {**scene, "output": {"fields": ["displacement", "principal_strain"]}}, folder, name)
+
+
+def run_shapes_by_scheme(options, report):
+    report.begin("Fig. 7, schemes",
+                 "the cantilever at the paper's load, 10x10x40 elements; it moves for 4 s with a damping of 4/s. "
+                 "Largest principal strain of any element in the end, beside the equilibrium of the same mesh")
+    for name, scene in shapes():
+        scene["output"]["probes"]["at"].append(STRAIN_PROBE)
+        equilibrium = ProbeTable(options.programs, scene).last(STRAIN_COLUMN)
+        report_schemes(options.programs, name, Motion(scene, 4, 4, STRAIN_COLUMN, 1, equilibrium), report)
+
+
+# ------------------------------------------------------------------- Fig. 14 --
+
+CONSISTENCY, EXPONENT = 861, 0.1138  # Pa s^n, -
+RATES = (0.0151, 0.133, 0.67)  # 1/s
+STRESS_COLUMN = "plate reaction x [N]"
+
+ELASTIC = {"E": 1000, "nu": 0.499, "rho": 1000}
+VISCO = static_method("visco", "", ())
+
+
+def power_law(tau):
+    """Parameters of `visco`."""
+    return {"K": CONSISTENCY, "n": EXPONENT, "lambda": 166444.3, "rho": 1000, "tau": tau}
+
+
+LIVER_MODELS = {"MSS": (static_method("mss-baudet", "", ()), ELASTIC),
+                "TM": (static_method("tm-faure", "trilinear", ()), ELASTIC),
+                "TM, mean gradient": (static_method("tm-faure", "mean-gradient", ()), ELASTIC),
+                "visco": (VISCO, power_law(1e-3))}
+
+
+def measured_law(rate, time):
+    """sigma = K r t^(1-n) / Gamma(2-n)"""
+    return CONSISTENCY * rate * time ** (1 - EXPONENT) / math.gamma(2 - EXPONENT)
+
+
+def shear_scene(block, method, material, rate, end, frames):
+    """A block between two plates, one of which moves at a constant rate of shear until `end`. One element is in
+    ideal simple shear."""
+    size = [1e-3 * n for n in block]
+    scene = plate(box_scene(Cells(tuple(block)), size, method, **material), rate * end * size[1], end)
+    scene["solver"] = {"static": {"frames": frames}, "end": end, "on_inversion": "warn"}
+    scene["output"]["probes"]["every_steps"] = 1
+    return scene
+
+
+def area(block):
+    """Of the plate, m^2."""
+    return 1e-6 * block[0] * block[2]
+
+
+def stress_at(table, time, block):
+    """Mean shear stress on the moved plate at a time, Pa."""
+    return table.at(time, STRESS_COLUMN) / area(block)
+
+
+def run_liver(options, report):
+    end = 2
+    report.begin("Fig. 14", "shear of a block of liver at three rates, quasi-static: stress on the plate, Pa, and the "
+                 "law that was measured, K r t^(1-n) / Gamma(2-n)")
+    for rate in RATES:
+        found = {name: ProbeTable(options.programs, shear_scene(options.block, *model, rate, end, options.frames))
+                 for name, model in LIVER_MODELS.items()}
+        for i in range(1, options.frames + 1):
+            time = end * i / options.frames
+            report.add({"rate, 1/s": rate, "t, s": time, "shear": rate * time,
+                        "measured law": measured_law(rate, time),
+                        **{name: stress_at(table, time, options.block) for name, table in found.items()}})
+
+
+def run_liver_by_scheme(options, report):
+    end, rate = 0.5, RATES[1]
+    report.begin("Fig. 14, schemes",
+                 "the block of liver sheared at 0.133/s for 0.5 s with a damping of 20/s: stress on the plate in the "
+                 "end, Pa, beside the equilibrium of the same block")
+    for name, model in LIVER_MODELS.items():
+        if name == "visco":
+            continue  # 5 equilibria are too few for its rate
+        scene = shear_scene(options.block, *model, rate, end, 5)
+        equilibrium = stress_at(ProbeTable(options.programs, scene), end, options.block)
+        motion = Motion(scene, end, 20, STRESS_COLUMN, 1 / area(options.block), equilibrium)
+        report_schemes(options.programs, name, motion, report)
+
+
+def run_small_rates(options, report):
+    """One element at rates so small that the law is linear."""
+    report.begin("power law, one element", "ideal simple shear at the paper's rates times 1e-4, 1,000 equilibria "
+                 "until the time of the row: stress of visco / law - 1")
+    one = (1, 1, 1)
+    for time in (0.1, 0.3, 1.0, 3.0, 10.0):
+        row = {"t, s": time}
+        for rate in RATES:
+            found = ProbeTable(options.programs, shear_scene(one, VISCO, power_law(1e-3), 1e-4 * rate, time, 1000))
+            row[f"rate {1e-4 * rate:g} 1/s"] = stress_at(found, time, one) / measured_law(1e-4 * rate, time) - 1
+        report.add(row)
+
+
+def run_linear_range(options, report):
+    """Sides that are free make the block softer than a plate without end: 0.914 times as stiff."""
+    of_free_sides = 0.913770  # DOLFINx, linear, nu = 0.499
+    frames = 40
+    report.begin("power law, block",
+                 "the block at the paper's rates, visco with tau a hundredth of the time to a shear of 0.01, 40 "
+                 "equilibria to a shear of 0.01 and 40 to 0.1: stress / (0.914 times the law) - 1")
+    for most in (0.01, 0.1):
+        found = {rate: ProbeTable(options.programs, shear_scene(options.block, VISCO, power_law(1e-4 / rate), rate,
+                                                                most / rate, frames)) for rate in RATES}
+        for i in (frames // 4, frames // 2, frames):
+            row = {"shear": most * i / frames}
+            for rate, table in found.items():
+                time = most * i / frames / rate
+                law = of_free_sides * measured_law(rate, time)
+                row[f"rate {rate:g} 1/s"] = stress_at(table, time, options.block) / law - 1
+            report.add(row)
+
+
+# ------------------------------------------------------------------- Fig. 13 --
+
+def write_block(options, folder):
+    """The block of springs between the plates, sheared at the second rate for a second."""
+    scene = shear_scene(options.block, *LIVER_MODELS["MSS"], RATES[1], 1, 10)
+    scene["output"].update(frames=True, fields=["displacement"])
+    run_scene(options.programs, scene, folder, "MSS")
+
+
+# ----------------------------------------------------------------- one figure --
+
+def plot_runs(options, folder, names, picture):
+    """Draws runs of a folder by `suture plot`."""
+    if run_process([options.programs / "suture", "plot", *names, "-o", picture], folder).code != 0:
+        raise OSError("suture plot failed")
+
+
+def plot_table(options, run, report, picture):
+    run(options, report)
+    import paper_report  # needs matplotlib, which the runs do not
+    paper_report.draw(options.figure, report.tables[f"Fig. {options.figure}"]["rows"], picture)
+
+
+def draw_figure(options, report, picture):
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        try:
+            if options.figure == "7":
+                write_equilibria(options.programs, folder)
+                plot_runs(options, folder, ["MSS", "TM"], picture)
+            elif options.figure == "13":
+                write_block(options, folder)
+                plot_runs(options, folder, ["MSS"], picture)
+            else:
+                plot_table(options, {"6": run_beams, "14": run_liver}[options.figure], report, picture)
+        except (ImportError, OSError, ValueError) as error:
+            sys.exit(f"{picture}: could not be drawn ({error}); pictures need python3-matplotlib and python3-vtk9, "
+                     "and end in .png, .pdf or .svg")
+    print(picture)
+
+
+def run_tables(options, report):
+    for run in (run_beams_by_scheme, run_shapes_by_scheme, run_liver_by_scheme):
+        run(options, report)
+    if options.schemes:
+        return
+    for run in (run_beams, run_small_rates, run_linear_range, run_liver):
+        run(options, report)
+    if options.pictures:
+        write_equilibria(options.programs, options.pictures)
+
+
+def read_options():
+    parser = option_parser(__doc__)
+    parser.add_argument("--across", nargs="+", type=int, default=[5, 10], help="Elements over the height of the beam")
+    parser.add_argument("--block", nargs=3, type=int, default=[30, 10, 10], help="Elements of the block of liver")
+    parser.add_argument("--schemes", action="store_true", help="Only the tables of integrators at equal time")
+    parser.add_argument("--frames", type=int, default=20, help="Equilibria of the shear of liver")
+    parser.add_argument("--figure", choices=("6", "7", "13", "14"), help="Only this figure, with its picture")
+    parser.add_argument("-o", "--output", type=pathlib.Path, help="The picture of it; default: figure-N.png")
+    parser.add_argument("--pictures", type=pathlib.Path,
+                        help="Folder for the frames of Fig. 7, for docs/images/render.py --beside")
+    return parser.parse_args()
 
 
 def main():
-    if sys.argv[1] == "--figure":
-        draw(*sys.argv[2:5])
-        return
-    folder, docs = map(pathlib.Path, sys.argv[1:3])
-    file = folder / "paper.json"
-    if not file.exists():
-        return
-    data = json.loads(file.read_text())
-    tables = data["tables"]
-    beam, liver = tables["Fig. 6"]["rows"], tables["Fig. 14"]["rows"]
-    plot_beam(beam)
-    beam_picture = save(docs, "paper-beam")
-    plot_liver(liver)
-    liver_picture = save(docs, "paper-liver")
-    parts = [HEAD + machine_text(file, data["machine"]),
-             BEAM, f"![deflection of the axis]({beam_picture})\n", table_text(tables["Fig. 6"]) + "\n",
-             schemes_text(tables, "Fig. 6", SCHEMES), EQUILIBRIA, schemes_text(tables, "Fig. 7"),
-             LIVER, f"![stress over time]({liver_picture})\n", table_text(sample(liver)) + "\n",
-             schemes_text(tables, "Fig. 14"), SMALL, table_text(tables["power law, one element"]) + "\n",
-             RANGE, table_text(tables["power law, block"]) + "\n",
-             cuts_text(tables_of(folder / "cut.json")), speed_ups_text(tables_of(folder / "scaling.json"))]
-    (docs / "paper.md").write_text("\n".join(p for p in parts if p))
-    print(f"wrote {docs / 'paper.md'}")
+    options = read_options()
+    report = Report(options.json, options.programs)
+    if options.figure:
+        draw_figure(options, report, (options.output or pathlib.Path(f"figure-{options.figure}.png")).resolve())
+    else:
+        run_tables(options, report)
+    report.write_json()
 
 
 main()

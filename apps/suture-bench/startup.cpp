@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// From a scene to its first step: where the time goes, and what stays in memory.
+// From a scene to its first step: where the time goes, and what stays in memory. startup.py puts
+// the time of the whole program before them.
 #include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
-#include "apps/suture-bench/process.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "kernel/base/error.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
 
@@ -65,51 +63,20 @@ void measure_parts(const std::string& model, Index size, const StartupOptions& o
                  .add("stable step ms", best(&BodyTimes::stable_step)));
 }
 
-// ------------------------------------------------------------ the program --
+// ----------------------------------------------------------------- memory --
 
-constexpr double one_step = 1e-9;  // s: below any "auto"
-constexpr const char* no_output = "/output=false";
-
-/// Writes a scene: a block of cubes under gravity, one end held, for some steps of `dt`.
-std::filesystem::path write_scene(const WorkingFolder& folder, const std::string& model,
-                                  const std::array<Index, 3>& cells, const nlohmann::json& dt,
-                                  double end) {
+/// A block of cubes under gravity, one end held, for one step that is shorter than any "auto".
+Scene block(const std::string& model, const std::array<Index, 3>& cells, PluginHost& host,
+            Diagnostics& diagnostics) {
   constexpr double edge = 0.025;
   nlohmann::json scene = nlohmann::json::parse(R"({
-    "suture": 1, "gravity": [0, -9.8, 0], "output": {},
+    "suture": 1, "gravity": [0, -9.8, 0], "output": false, "solver": {"end": 1e-9, "dt": "auto"},
     "constraints": [{"where": {"set": "z0"}, "fix": "xyz"}]})");
   scene["mesh"]["box"] = {{"size", {edge * cells[0], edge * cells[1], edge * cells[2]}},
                           {"cells", cells}};
   scene["models"] = {{{"model", model}, {"parameters", {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}}}}};
-  scene["solver"] = {{"end", end}, {"dt", dt}};
-  const auto file = folder.path() / "block.json";
-  std::ofstream(file) << scene;
-  return file;
+  return read_scene_text(scene.dump(), "block", {}, lookup_of(host), diagnostics);
 }
-
-/// Seconds of `suture run` on a scene file, start to exit.
-double run_program(const std::filesystem::path& scene, bool frames) {
-  std::vector<std::string> words{suture_program(), "run", "-q", scene};
-  if (!frames) words.insert(words.end(), {"--set", no_output});
-  const ProcessUse use = run_process(words, scene.parent_path());
-  if (use.code != 0) throw IoError("cannot run " + words[0] + " on " + scene.string());
-  return use.wall;
-}
-
-void measure_program(const WorkingFolder& folder, const StartupOptions& options, Report& report) {
-  const auto scene = write_scene(folder, "tm-faure", {5, 2, 1}, 1e-4, 1e-3);
-  for (const bool frames : {false, true}) {
-    double best = 1e9;
-    for (int round = 0; round < 4 * options.rounds; ++round)
-      best = std::min(best, run_program(scene, frames));
-    report.add(Line()
-                   .add("scene", std::string("10 elements, 10 steps"))
-                   .add("output", std::string(frames ? "2 frames" : "none"))
-                   .add("ms", 1e3 * best));
-  }
-}
-
-// ----------------------------------------------------------------- memory --
 
 struct Memory {
   double held, peak;  ///< B
@@ -118,27 +85,25 @@ struct Memory {
 void reset_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
 
 /// What a run holds after its first step, and at most until then.
-Memory memory_of(const std::filesystem::path& file) {
+Memory memory_of(const std::string& model, const std::array<Index, 3>& cells) {
   const double before = resident();
   reset_peak();
   PluginHost host;
   Diagnostics diagnostics;
-  const Scene scene = read_scene(file, {no_output}, host, diagnostics);
+  const Scene scene = block(model, cells, host, diagnostics);
   Simulation simulation(scene, host, diagnostics);
   Observer nobody;
   simulation.run(nobody);
   return {resident() - before, peak_bytes() - before};
 }
 
-void measure_memory(const WorkingFolder& folder, const std::string& model,
-                    const StartupOptions& options, Report& report) {
-  const auto ten = write_scene(folder, model, {5, 2, 1}, "auto", one_step);
-  memory_of(ten);  // loads what stays loaded
-  const Memory program = memory_of(ten);
+void measure_memory(const std::string& model, const StartupOptions& options, Report& report) {
+  memory_of(model, {5, 2, 1});  // loads what stays loaded
+  const Memory program = memory_of(model, {5, 2, 1});
   for (const Index size : options.sizes) {
     const auto cells = grid_of(size);
     const double elements = double{1} * cells[0] * cells[1] * cells[2];
-    const Memory run = memory_of(write_scene(folder, model, cells, "auto", one_step));
+    const Memory run = memory_of(model, cells);
     report.add(Line()
                    .add("elements", elements)
                    .add("B/el", std::max(run.held - program.held, 0.0) / elements)
@@ -147,9 +112,6 @@ void measure_memory(const WorkingFolder& folder, const std::string& model,
 }
 
 void run_startup(const StartupOptions& options, Report& report) {
-  report.begin("startup: the program", "suture run from start to exit, best wall-clock time");
-  const WorkingFolder folder;
-  measure_program(folder, options, report);
   for (const std::string& model : options.models) {
     report.begin("startup: " + model, "from a box to the first step, best of " +
                                           std::to_string(options.rounds) +
@@ -158,7 +120,7 @@ void run_startup(const StartupOptions& options, Report& report) {
     report.begin("memory: " + model,
                  "bytes per element, in excess of a scene of 10 elements: after the first step of "
                  "a scene without cuts and frames, and the peak until then");
-    measure_memory(folder, model, options, report);
+    measure_memory(model, options, report);
   }
 }
 

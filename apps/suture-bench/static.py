@@ -4,15 +4,10 @@
 
     static.py path/to/programs [--json FILE] [OPTIONS of suture-bench static]
 """
-import argparse
-import json
 import math
-import pathlib
-import subprocess
-import tempfile
 
 import calculix
-from harness import UNKNOWN, Report, write_tables
+from harness import UNKNOWN, Report, from_suture_bench, option_parser, write_tables
 from solid_mesh import box_mesh
 from work_cases import CANTILEVERS, bars, cantilever_scene, static_method
 
@@ -49,9 +44,7 @@ def add_calculix(options, table):
 
 
 def read_options():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("programs", type=lambda p: pathlib.Path(p).resolve(), help="Folder of suture-bench")
-    parser.add_argument("--json", type=pathlib.Path, help="Write the figures to this file as well")
+    parser = option_parser(__doc__)
     parser.add_argument("--calculix", nargs="+", type=int, default=[5, 10], help="Cells over the height for CalculiX")
     parser.add_argument("--calculix-elements", nargs="+", default=["C3D8", "C3D8I"], choices=calculix.ELEMENTS)
     parser.add_argument("--no-calculix", dest="beside", action="store_false", help="Leave out CalculiX")
@@ -60,10 +53,7 @@ def read_options():
 
 def main():
     options, others = read_options()
-    with tempfile.TemporaryDirectory() as folder:
-        file = pathlib.Path(folder) / "static.json"
-        subprocess.run([options.programs / "suture-bench", "static", *others, "--json", file], check=True)
-        data = json.loads(file.read_text())
+    data = from_suture_bench(options.programs, "static", *others)
     if options.beside and calculix.is_installed():
         add_calculix(options, data["tables"]["static"])
     elif options.beside:

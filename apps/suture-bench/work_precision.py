@@ -5,15 +5,13 @@ with solutions of other programs.
 
     work_precision.py path/to/programs [--json FILE]
 """
-import argparse
-import json
 import math
 import pathlib
 import statistics
 import tempfile
 
 import calculix
-from harness import UNKNOWN, Report, last_row, run_process
+from harness import UNKNOWN, Report, last_row, option_parser, run_scene
 from solid_mesh import write_gmsh
 from work_cases import MESH_FILE, work_cases
 
@@ -40,12 +38,12 @@ def run_suture(options, what, method, cells, mesh):
     row = new_row(what, "Suture", method.name, cells, mesh)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        (folder / "scene.json").write_text(json.dumps(what.scene(cells, method)))
+        scene = what.scene(cells, method)
         if what.mesh:
             write_gmsh(folder / MESH_FILE, mesh)
 
         def run():
-            use = run_process([options.programs / "suture", "run", "-q", "scene.json", "--output", "out"], folder)
+            use = run_scene(options.programs, scene, folder)
             return use, use.code
 
         row["cpu_s"], row["wall_s"], code = repeat(options.rounds, run)
@@ -150,9 +148,7 @@ def run_reference(what, report):
 
 def read_options():
     names = [what.name for what in work_cases()]
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("programs", type=lambda p: pathlib.Path(p).resolve(), help="Folder of suture and suture-bench")
-    parser.add_argument("--json", type=pathlib.Path, help="Write the figures to this file as well")
+    parser = option_parser(__doc__)
     parser.add_argument("--cases", nargs="+", choices=names, default=names, metavar="NAME",
                         help="Problems; default: all")
     parser.add_argument("--largest", action="store_true", help="With meshes that take longer than 5 s")

@@ -13,6 +13,7 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
 
 namespace suture::test {
@@ -158,11 +159,7 @@ TEST_P(RejectedSteps, LeaveNoTrace) {
 }
 
 TEST_P(RejectedSteps, LeaveEventsAndFramesAtTheirTimes) {
-  Event cut;
-  cut.at = 0.15;
-  cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
-  cut.path = "/events/0";
-  scene.events.push_back(cut);
+  scene.events.push_back(event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}}, 0.15));
   scene.output.every = 0.07;
   const RunSummary summary = run();
   EXPECT_EQ(summary.faces_cut, 4u);

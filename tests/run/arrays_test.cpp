@@ -10,7 +10,9 @@
 
 #include "kernel/mesh/box.hpp"
 #include "tests/run/differing_values.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -38,10 +40,8 @@ Scene with_two_models(Scene scene, const std::string& parameter, double right, d
 }
 
 std::vector<double> corners_after(const Scene& scene, bool skip = true) {
-  Diagnostics diagnostics;
-  Observer nobody;
-  Simulation simulation(scene, host(), diagnostics, skip);
-  simulation.run(nobody);
+  TestSimulation simulation(scene, skip);
+  simulation.run();
   std::vector<double> corners;
   for (const Hexahedron& nodes : simulation.complex().vertices())
     for (const Index v : nodes)
@@ -91,11 +91,7 @@ TEST_P(Arrays, ATableGivesWhatTwoModelsGive) {
   const auto [right, left] = values();
   Scene moving = scene();
   moving.solver.end = 0.05;
-  Event cut;
-  cut.at = 0.02;
-  cut.what = CutPlane{{0.5, 0.125, 0.125}, {0, 1, 0}, 0.3};
-  cut.path = "/events/0";
-  moving.events.push_back(cut);
+  moving.events.push_back(event_of(CutPlane{{0.5, 0.125, 0.125}, {0, 1, 0}, 0.3}, 0.02));
   for (const bool is_static : {false, true}) {
     const Scene what = is_static ? statics(scene()) : moving;
     const auto one = corners_after(with_table(what, GetParam().parameter, right, left));
@@ -185,10 +181,8 @@ TEST(ArraysOfMeshes, ALawReadsTheFibresOfItsElement) {
           1e5 * (stretch - 1 / stretch) + (along ? 3e5 * (stretch * stretch - 1) * stretch : 0), 0,
           0};
       scene.loads.push_back(load);
-      Diagnostics diagnostics;
-      Observer nobody;
-      Simulation simulation(scene, host(), diagnostics);
-      simulation.run(nobody);
+      TestSimulation simulation(scene);
+      simulation.run();
       EXPECT_NEAR(simulation.mean_displacement(load.where)[0], stretch - 1, 1e-7)
           << element << ' ' << along;
     }

@@ -11,6 +11,7 @@
 
 #include "tests/reference/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -42,11 +43,8 @@ TEST_P(StaticBeam, AgreesWithTheIndependentSolution) {
   scene.models[0]
       .parameters[static_cast<std::size_t>(&quadrature - scene.models[0].model->parameters)] =
       static_cast<double>(choice);
-  Diagnostics diagnostics;
-  const Scene rest = at_rest(scene, 1.0, 1e-8);
-  Simulation simulation(rest, host(), diagnostics);
-  Observer nobody;
-  const RunSummary summary = simulation.run(nobody);
+  TestSimulation simulation(at_rest(scene, 1.0, 1e-8));
+  const RunSummary summary = simulation.run();
   EXPECT_EQ(summary.outcome, RunSummary::Outcome::at_rest);
   const Vec3 tip = simulation.mean_displacement(beam_tip(n));
   const double scale = std::abs(expected.tip_uy);
@@ -82,12 +80,10 @@ class DynamicBeam : public testing::TestWithParam<Scheme> {
     scene.solver.integrator = GetParam().integrator;
     scene.solver.dt = GetParam().dt;
     scene.solver.end = 0.01 * static_cast<double>(expected.size() - 1);
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
+    TestSimulation simulation(scene);
     double worst = 0;
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      simulation.run_to(0.01 * static_cast<double>(i), nobody);
+      simulation.run_to(0.01 * static_cast<double>(i));
       const double tip = simulation.mean_displacement(beam_tip(5))[1];
       worst = std::max(worst, std::abs(tip - expected[i]));
     }
@@ -123,13 +119,11 @@ TEST(DynamicBeams, UndampedEnergyHasNoTrend) {
   scene.solver.dt = 1e-4;
   const int samples = full_suite() ? 2000 : 400;  // of 50 steps
   scene.solver.end = samples * 50e-4;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
+  TestSimulation simulation(scene);
   double kinetic = 0, worst = 0, sum_t = 0, sum_e = 0, sum_tt = 0, sum_te = 0;
   const double start = simulation.energies().total();
   for (int i = 1; i <= samples; ++i) {
-    simulation.run_to(i * 50e-4, nobody);
+    simulation.run_to(i * 50e-4);
     const Energies e = simulation.energies();
     const double error = e.total() - start, t = static_cast<double>(i) / samples;
     kinetic = std::max(kinetic, e.kinetic);

@@ -8,6 +8,7 @@
 #include "kernel/mesh/mesh_file.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 
@@ -110,10 +111,8 @@ Scene bent_u(bool self) {
 }
 
 double slot_of(const Scene& scene) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(scene);
+  simulation.run();
   double upper = 1, lower = -1;
   Attributes& a = simulation.attributes();
   for (Index v = 0; v < a.vertex_count(); ++v) {
@@ -143,10 +142,8 @@ Scene hertz(Index n) {
 }
 
 double over_hertz(const Scene& scene) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(scene);
+  simulation.run();
   const double hertz = 4. / 3 * 1e5 / (1 - 0.3 * 0.3) * std::pow(0.01, 1.5);
   return 4 * simulation.contact()->loads()[0].force[2] / hertz;
 }

@@ -11,6 +11,7 @@
 #include "kernel/base/archive.hpp"
 #include "kernel/contact/contact.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
 
 namespace suture::test {
@@ -39,7 +40,7 @@ Scene tower() {
 }
 
 /// The numbers of islands asleep that a run reports.
-struct Listener : Observer {
+struct SleepListener : Observer {
   void on_message(const std::string& text) override {
     const auto at = text.find(" s: ");
     if (text.find("asleep") != std::string::npos) asleep.push_back(std::stoi(text.substr(at + 4)));
@@ -77,7 +78,7 @@ struct Tower {
 
   Diagnostics diagnostics;
   Simulation simulation;
-  Listener listener;
+  SleepListener listener;
 };
 
 constexpr double weight_of_block = 8 * edge * edge * edge * density * gravity;
@@ -142,9 +143,7 @@ TEST(SleepInContact, AnOperationWakes) {
   Tower tower_of(tower());
   tower_of.run_to(ready);
   ASSERT_EQ(tower_of.asleep(), 4);
-  Event cut;
-  cut.path = "/events/0";
-  cut.what = CutPlane{{edge, 0, 0}, {1, 0, 0}};
+  Event cut = event_of(CutPlane{{edge, 0, 0}, {1, 0, 0}});
   tower_of.simulation.apply(cut, tower_of.listener);
   EXPECT_TRUE(tower_of.pieces().asleep().empty());
   const double before = tower_of.force_on_floor();

@@ -9,7 +9,7 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/contact_scenes.hpp"
 #include "tests/run/csv_table.hpp"
-#include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -19,12 +19,10 @@ TEST(ContactScenes, ABlockHoldsJustBelowTheAngleOfFrictionAndDoesNotCreep) {
   scene.gravity_ramp = {0, 0.5, true};
   scene.solver.damping = 2;
   scene.solver.end = 120;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run_to(20, nobody);
+  TestSimulation simulation(scene);
+  simulation.run_to(20);
   const double held = mean_x(simulation);
-  simulation.run_to(120, nobody);
+  simulation.run_to(120);
   EXPECT_LT(held, 0.02);
   EXPECT_LT(std::abs(mean_x(simulation) - held), 100 * 1e-6 * 0.4);
 }
@@ -34,12 +32,10 @@ TEST(ContactScenes, ABlockSlidesJustAboveTheAngleOfFriction) {
   scene.gravity_ramp = {0, 0.5, true};
   scene.solver.damping = 2;
   scene.solver.end = 20;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run_to(10, nobody);
+  TestSimulation simulation(scene);
+  simulation.run_to(10);
   const double before = mean_x(simulation);
-  simulation.run_to(20, nobody);
+  simulation.run_to(20);
   // The speed of a rigid block with this damping; a soft one is not slower.
   const double speed = sliding_speed(0.3, 1.02, 2);
   EXPECT_GT(mean_x(simulation) - before, 0.9 * 10 * speed);
@@ -50,15 +46,14 @@ TEST(ContactScenes, ABlockFallsAndComesToRestOnTheFloor) {
   scene.mesh.box->origin[2] = 0.05;
   scene.solver.until_rest = scene.solver.automatic_damping = true;
   scene.solver.tolerance = 1e-6;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  const RunSummary summary = simulation.run(nobody);
+  TestSimulation simulation(scene);
+  const RunSummary summary = simulation.run();
   EXPECT_EQ(summary.outcome, RunSummary::Outcome::at_rest);
   const double weight = 1000 * 0.4 * 0.4 * 0.2 * 9.81;
   EXPECT_NEAR(simulation.contact()->loads()[0].force[2], -weight, 1e-5 * weight);
-  ASSERT_EQ(diagnostics.warnings().size(), 2u) << "that nothing else holds it, and stability";
-  EXPECT_NE(diagnostics.warnings()[1].find("contact"), std::string::npos);
+  ASSERT_EQ(simulation.diagnostics.warnings().size(), 2u)
+      << "that nothing else holds it, and stability";
+  EXPECT_NE(simulation.diagnostics.warnings()[1].find("contact"), std::string::npos);
   for (const double gap : simulation.contact()->gaps(summary.time))
     if (!std::isnan(gap)) {
       EXPECT_GT(gap, -1e-12);
@@ -82,13 +77,11 @@ double momentum(Attributes& a) {
 /// Motion and strain where the centre is highest after ten bounces, of what gravity has put in, and
 /// the energy that falls.
 double kept_after_ten_bounces(bool penalty, double height, double young) {
-  Diagnostics diagnostics;
-  Simulation simulation(bouncing_block(penalty, height, young), host(), diagnostics);
-  Observer nobody;
+  TestSimulation simulation(bouncing_block(penalty, height, young));
   int tops = 0;
   bool rose = false;
   for (double time = 1e-3; tops < 10 && time < 10; time += 1e-3) {
-    simulation.run_to(time, nobody);
+    simulation.run_to(time);
     const bool rises = momentum(simulation.attributes()) > 0;
     if (rose && !rises) ++tops;
     rose = rises;
@@ -113,10 +106,8 @@ TEST(ContactScenes, ABlockRestsOnSprings) {
   Scene scene = bouncing_block(true, 0, 1e6);
   scene.solver.until_rest = scene.solver.automatic_damping = true;
   scene.solver.tolerance = 1e-6;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  EXPECT_EQ(simulation.run(nobody).outcome, RunSummary::Outcome::at_rest);
+  TestSimulation simulation(scene);
+  EXPECT_EQ(simulation.run().outcome, RunSummary::Outcome::at_rest);
   const double weight = 1000 * 0.4 * 0.4 * 0.2 * 9.81;
   EXPECT_NEAR(simulation.contact()->loads()[0].force[2], -weight, 1e-5 * weight);
   double work = 0;  // stored by springs that stiffen from 0 in proportion to the depth: f d / 3
@@ -131,10 +122,8 @@ double dissipated_by_pressing(double safety) {
   scene.solver.damping = 20;
   scene.solver.safety = safety;
   scene.solver.end = 0.3;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(scene);
+  simulation.run();
   return simulation.built().dynamics().balance().dissipated;
 }
 
@@ -166,10 +155,8 @@ TEST(ContactScenes, HaveTheSameBitsForAnyNumberOfThreads) {
     scene.contact.obstacles.push_back(ball);
     scene.solver.threads = threads;
     scene.solver.end = 0.02;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(scene);
+    simulation.run();
     const Column& x = simulation.attributes().position();
     std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
     for (const Contact::Load& load : simulation.contact()->loads())
@@ -192,10 +179,8 @@ TEST(ContactScenes, WriteForcesAndEnergies) {
   scene.output.fields = {"displacement", "contact_force", "gap"};
   scene.output.energies_every = scene.output.tools_every = 1;
   scene.output.obstacles = true;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(scene);
+  simulation.run();
 
   const CsvTable tools(folder.path() / "out" / "tools.csv");
   ASSERT_EQ(tools.columns.size(), 2u + 2 * 6);

@@ -9,17 +9,15 @@
 
 #include "tests/base/sanitizer.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
 
 Event cut_at(double time, const Vec3& point, const Vec3& normal) {
-  Event event;
-  event.at = time;
-  event.what = CutPlane{point, normal};
-  event.path = "/events/0";
-  return event;
+  return event_of(CutPlane{point, normal}, time);
 }
 
 std::vector<double> rows(const Column& column) {
@@ -58,14 +56,12 @@ TEST_P(BothModels, ACutWhileItMovesKeepsMassMomentumAndEveryCorner) {
   scene.solver.integrator = "velocity-verlet";
   scene.solver.dt = 2e-4;
   scene.solver.end = 0.1;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run_to(0.05, nobody);
+  TestSimulation simulation(scene);
+  simulation.run_to(0.05);
   simulation.energies();  // makes the velocities those of the positions
   const Snapshot before(simulation);
   const std::size_t vertices = simulation.complex().count(0);
-  simulation.apply(cut_at(0.05, {0.5, 0, 0}, {1, 0.2, 0}), nobody);
+  simulation.apply(cut_at(0.05, {0.5, 0, 0}, {1, 0.2, 0}));
   const Snapshot after(simulation);
   EXPECT_GT(simulation.complex().count(0), vertices) << "something was cut";
   Index islands = 0;
@@ -87,10 +83,8 @@ TEST_P(BothModels, APieceCutOffFallsFreely) {
   scene.solver.dt = 2e-4;
   scene.solver.end = 0.3;
   scene.events.push_back(cut_at(0, {0.5, 0, 0}, {1, 0, 0}));
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run_to(0.3, nobody);
+  TestSimulation simulation(scene);
+  simulation.run_to(0.3);
   Attributes& a = simulation.attributes();
   double mass = 0, drop = 0;
   std::vector<char> seen(a.vertex_count());
@@ -115,10 +109,8 @@ TEST_P(BothModels, TheSameBitsForAnyNumberOfThreads) {
     scene.solver.dt = 1e-4;
     scene.solver.end = 0.002;
     scene.events.push_back(cut_at(0.001, {0.5, 0.1, 0}, {1, 1, 0.3}));
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(scene);
+    simulation.run();
     const std::vector<double> positions = rows(simulation.attributes().position());
     if (expected.empty()) expected = positions;
     ASSERT_EQ(positions.size(), expected.size());
@@ -141,10 +133,8 @@ TEST_P(BothModels, TwoEqualInstancesBehaveAsOne) {
     }
     scene.solver.dt = 1e-4;
     scene.solver.end = 0.1;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(scene);
+    simulation.run();
     const std::vector<double> positions = rows(simulation.attributes().position());
     if (!split) one = positions;
     double worst = 0;
@@ -170,10 +160,8 @@ TEST_P(BothModels, ACutCanLeaveSingleElements) {
       scene.events.push_back(cut_at(0, point, normal));
     }
   }
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  const RunSummary summary = simulation.run(nobody);
+  TestSimulation simulation(scene);
+  const RunSummary summary = simulation.run();
   EXPECT_EQ(summary.faces_cut, 3u * 3 * 16);
   EXPECT_EQ(simulation.complex().count(0), 8u * 64);
   double mass = 0;
@@ -192,12 +180,10 @@ TEST(Cut, ThatMissesWarnsAndChangesNothing) {
   scene.solver.dt = 1e-4;
   scene.solver.end = 1e-3;
   scene.events.push_back(cut_at(5e-4, {7, 0, 0}, {1, 0, 0}));
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  EXPECT_EQ(simulation.run(nobody).faces_cut, 0u);
-  ASSERT_EQ(diagnostics.warnings().size(), 1u);
-  EXPECT_NE(diagnostics.warnings()[0].find("cut no face"), std::string::npos);
+  TestSimulation simulation(scene);
+  EXPECT_EQ(simulation.run().faces_cut, 0u);
+  ASSERT_EQ(simulation.diagnostics.warnings().size(), 1u);
+  EXPECT_NE(simulation.diagnostics.warnings()[0].find("cut no face"), std::string::npos);
 }
 
 }  // namespace

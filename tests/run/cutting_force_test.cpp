@@ -11,6 +11,7 @@
 #include "kernel/forces/contact_law.hpp"
 #include "tests/base/sanitizer.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
 
 namespace suture::test {
@@ -41,10 +42,7 @@ class CuttingForce : public testing::Test {
     CutBlade blade;
     blade.carried = CutBlade::Carried{0, "handle", {tip, top}};
     blade.resistance = CutBlade::Resistance{values(toughness)};
-    Event event;
-    event.path = "/events/0";
-    event.what = blade;
-    scene.events = {event};
+    scene.events = {event_of(blade)};
   }
   CutBlade& blade() { return std::get<CutBlade>(scene.events[0].what); }
   RigidPath& motion() { return scene.contact.obstacles[0].motion; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Events in a running simulation: when they happen, what they do, and what they report.
+#include "tests/run/events.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,16 +11,12 @@
 #include "kernel/results/event_report.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test::events_test {
 namespace {
 
 // What an observer hears.
-struct Listener : Observer {
-  std::vector<std::string> lines;
-  void on_message(const std::string& line) override { lines.push_back(line); }
-};
-
 // A bar of 8 x 2 x 2 elements along x that is pulled at x1 by `pull` m in 0.1 s.
 Scene pulled_bar(double pull) {
   Scene scene = beam(host(), "tm-faure", 8, 2, 0);
@@ -32,14 +30,6 @@ Scene pulled_bar(double pull) {
   hand.ramp = {0, 0.1, true};
   scene.constraints.push_back(hand);
   return scene;
-}
-
-Event event_of(EventOperation what, double at = 0) {
-  Event event;
-  event.at = at;
-  event.what = std::move(what);
-  event.path = "/events/0";
-  return event;
 }
 
 struct Outcome {
@@ -108,8 +98,7 @@ TEST(TearEvent, EverythingAtOnceStopsTheRunAndTearsNothing) {
   Scene scene = pulled_bar(0.6);
   scene.events.push_back(tear_of(0.2, 1));
   scene.events[0].from = 0.09;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   try {
     simulation.run(heard);
@@ -219,8 +208,7 @@ TEST(Schedule, AConditionThatNeverHoldsIsReported) {
 // The same operation between two calls of run_to().
 TEST(Apply, MakesAnOperationFromOutside) {
   Scene scene = pulled_bar(0.1);
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   simulation.run_to(0.05, heard);
   CutPlane half{{0.5, 0, 0}, {1, 0, 0}};

@@ -10,6 +10,7 @@
 #include "kernel/build/built_scene.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test::history_test {
 namespace {
@@ -171,10 +172,8 @@ TEST_F(History, PositionBasedStepsCreepAlike) {
     creeping.solver.dt = 1e-3;
     creeping.solver.end = end;
     creeping.solver.damping = 20;
-    Diagnostics none;
-    Simulation simulation(creeping, host(), none);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(creeping);
+    simulation.run();
     const Column &x = simulation.attributes().position(), &rest = simulation.attributes().rest();
     double lowest = 0;
     for (Index v = 0; v < simulation.attributes().vertex_count(); ++v)

@@ -11,7 +11,8 @@
 #include "kernel/contact/piece_overlap.hpp"
 #include "tests/base/sanitizer.hpp"
 #include "tests/run/contact_scenes.hpp"
-#include "tests/run/host.hpp"
+#include "tests/run/events.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -56,10 +57,8 @@ TEST(StaticContact, ABlockOnAFloorIsThatWhichCameToRest) {
       scene.solver.until_rest = scene.solver.automatic_damping = true;
       scene.solver.tolerance = 1e-8;
     }
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(scene);
+    simulation.run();
     Attributes& a = simulation.attributes();
     for (Index v = 0; v < a.vertex_count(); ++v)
       places[is_static].push_back(row(a.position().rows(), v));
@@ -92,11 +91,9 @@ TEST(ImplicitContact, ABlockFallsOntoAFloorAndStays) {
   scene.solver.integrator = "implicit-euler";
   scene.solver.dt = 5e-3;
   scene.solver.end = 1;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
+  TestSimulation simulation(scene);
   for (int i = 1; i <= 40; ++i) {
-    simulation.run_to(0.025 * i, nobody);
+    simulation.run_to(0.025 * i);
     for (const double gap : simulation.contact()->gaps(simulation.time()))
       if (!std::isnan(gap)) {
         EXPECT_GT(gap, -1e-4 * 0.1) << "t = " << simulation.time();
@@ -113,10 +110,8 @@ TEST(ImplicitContact, ARollbackRepeatsTheSameBits) {
   scene.solver.integrator = "implicit-euler";
   scene.solver.dt = 0.02;
   scene.solver.end = 1;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run_to(0.2, nobody);
+  TestSimulation simulation(scene);
+  simulation.run_to(0.2);
   expect_the_same_after_a_rollback(simulation, 10, 0.02);
 }
 
@@ -129,12 +124,10 @@ TEST(ImplicitContact, FrictionHoldsOrSlidesByItsCoefficient) {
     scene.solver.dt = 0.05;
     scene.solver.end = 6;
     scene.solver.damping = 2;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run_to(3, nobody);
+    TestSimulation simulation(scene);
+    simulation.run_to(3);
     const double before = mean_x(simulation);
-    simulation.run_to(6, nobody);
+    simulation.run_to(6);
     moved[part > 1] = mean_x(simulation) - before;
   }
   EXPECT_LT(std::abs(moved[0]), 3 * 1e-6 * 0.4);
@@ -186,10 +179,8 @@ TEST(StaticPieces, AStackCarriesItsWeight) {
       hold_face(scene, 1, 0);
     }
     find_equilibrium(scene, 1);
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(scene);
+    simulation.run();
     const double weight = 3 * 1000 * 0.4 * 0.4 * 0.2 * 9.81;
     EXPECT_NEAR(simulation.contact()->loads()[0].force[2], -weight, 1e-6 * weight);
     EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
@@ -210,10 +201,8 @@ TEST(StaticPieces, MeshesThatDoNotMatchCarryAUniformPressure) {
     pressed.moves = true;
     scene.contact.pieces = true;
     find_equilibrium(scene, 1);
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(scene);
+    simulation.run();
     Attributes& a = simulation.attributes();
     double worst = 0;
     for (Index v = 0; v < a.vertex_count(); ++v) {
@@ -242,12 +231,10 @@ TEST(ImplicitPieces, FrictionHoldsOrSlidesByItsCoefficient) {
     scene.solver.dt = 0.05;
     scene.solver.end = 4;
     scene.solver.damping = 2;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run_to(2, nobody);
+    TestSimulation simulation(scene);
+    simulation.run_to(2);
     const double before = mean_x(simulation);
-    simulation.run_to(4, nobody);
+    simulation.run_to(4);
     moved[part > 1] = (mean_x(simulation) - before) * 60 / 48;  // of the nodes of both
     EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
   }
@@ -269,9 +256,7 @@ Scene pressed_lips(Index n, double friction, double shear) {
   moved.translation = {shear, 0, -0.004};
   moved.ramp = {0, 0.5, true};
   moved.moves = true;
-  Event cut;
-  cut.what = CutPlane{{0, 0, 0.13}, {0.3, 0, 1}};
-  cut.path = "/events/0";
+  Event cut = event_of(CutPlane{{0, 0, 0.13}, {0.3, 0, 1}});
   cut.rest_shape = true;
   scene.events = {cut};
   return scene;
@@ -287,10 +272,8 @@ TEST(StaticPieces, LipsAreWhereTheyComeToRest) {
       scene.solver.until_rest = scene.solver.automatic_damping = true;
       scene.solver.tolerance = 1e-4;
     }
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    EXPECT_EQ(simulation.run(nobody).faces_cut, 42u);
+    TestSimulation simulation(scene);
+    EXPECT_EQ(simulation.run().faces_cut, 42u);
     EXPECT_GT(simulation.contact()->touches().size(), 20u);
     places[is_static] = position_rows(simulation);
   }
@@ -308,10 +291,8 @@ TEST(StaticPieces, LipsWithFrictionCarryWhatTheUncutBlockCarries) {
     std::get<CutPlane>(scene.events[0].what) = {{0.21, 0.22, 0.101}, {0.3, 0.2, 1}};
     if (!is_cut) scene.events.clear();
     find_equilibrium(scene, 0.5);
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    EXPECT_EQ(simulation.run(nobody).faces_cut != 0, is_cut);
+    TestSimulation simulation(scene);
+    EXPECT_EQ(simulation.run().faces_cut != 0, is_cut);
     forces[is_cut] = simulation.built().dynamics().balance().work("prescribed");
   }
   EXPECT_NEAR(forces[1], forces[0], 0.01 * std::abs(forces[0]));
@@ -329,8 +310,7 @@ TEST(StaticPieces, WhatNothingTouchesIsNamed) {
   scene.mesh.box->cells = {1, 1, 1};
   scene.contact.pieces = true;
   find_equilibrium(scene, 1);
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   const std::string text = error_of(simulation);
   EXPECT_NE(text.find("a piece of 1 element (the first: element 0) is free to move and turn in "
                       "every direction, unless contact holds it"),
@@ -347,10 +327,8 @@ Scene sheared_lips(Index n) {
 }
 
 TEST(ImplicitPieces, HaveTheSameBitsAfterARollback) {
-  Diagnostics diagnostics;
-  Simulation simulation(sheared_lips(2), host(), diagnostics);
-  Observer nobody;
-  simulation.run_to(0.25, nobody);
+  TestSimulation simulation(sheared_lips(2));
+  simulation.run_to(0.25);
   expect_the_same_after_a_rollback(simulation, 4, 0.05);
 }
 
@@ -359,10 +337,8 @@ TEST(ImplicitPieces, HaveTheSameBitsForAnyNumberOfThreads) {
   for (const unsigned threads : thread_counts()) {
     Scene scene = sheared_lips(11);  // enough elements for a second thread
     scene.solver.threads = threads;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run_to(0.05, nobody);  // cuts
+    TestSimulation simulation(scene);
+    simulation.run_to(0.05);  // cuts
     const std::vector<double> all = after_steps(simulation, 1, 0.05);
     EXPECT_LT(all[all.size() - 2], 0) << "friction";
     if (threads == 1) first = all;
@@ -384,10 +360,8 @@ TEST(ImplicitPieces, FastOnesDoNotPassThroughEachOther) {
   scene.solver.integrator = "implicit-euler";
   scene.solver.dt = 0.04;
   scene.solver.end = 0.4;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(scene);
+  simulation.run();
   EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
   Attributes& a = simulation.attributes();
   for (Index v = 50; v < a.vertex_count(); ++v) EXPECT_GT(a.position().get(v, 2), 0.05);
@@ -403,15 +377,9 @@ TEST(ImplicitPieces, LipsOfACutTouchFromTheNextStepOn) {
     scene.solver.integrator = "implicit-euler";
     scene.solver.dt = 0.01;
     scene.solver.end = 0.3;
-    Event cut;
-    cut.at = 0.1;
-    cut.what = CutPlane{{0, 0, 0.1}, {0, 0, 1}};
-    cut.path = "/events/0";
-    scene.events = {cut};
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    EXPECT_EQ(simulation.run(nobody).faces_cut, 16u);
+    scene.events = {event_of(CutPlane{{0, 0, 0.1}, {0, 0, 1}}, 0.1)};
+    TestSimulation simulation(scene);
+    EXPECT_EQ(simulation.run().faces_cut, 16u);
     if (pieces) {
       EXPECT_LT(overlap_of_pieces(simulation), 1e-4);
     }

@@ -7,6 +7,7 @@
 
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -21,10 +22,8 @@ Scene swinging(const char* integrator, double dt, double end) {
 }
 
 Vec3 tip_after(const Scene& scene) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(scene);
+  simulation.run();
   return simulation.mean_displacement(beam_tip(2));
 }
 
@@ -46,13 +45,11 @@ TEST(Integrators, ConvergeWithTheirOrder) {
 TEST(ImplicitIntegrators, NewmarkKeepsTheEnergyAndEulerLosesIt) {
   for (const bool keeps : {true, false}) {
     const Scene scene = swinging(keeps ? "newmark" : "implicit-euler", 5e-3, 2);
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
+    TestSimulation simulation(scene);
     const double start = simulation.energies().total();
     double largest = 0, kinetic = 0;
     for (int i = 1; i <= 40; ++i) {
-      simulation.run_to(0.05 * i, nobody);
+      simulation.run_to(0.05 * i);
       const Energies e = simulation.energies();
       largest = std::max(largest, e.total() - start);
       kinetic = std::max(kinetic, e.kinetic);
@@ -67,26 +64,22 @@ TEST(ImplicitIntegrators, NewmarkKeepsTheEnergyAndEulerLosesIt) {
 
 // Steps of a thousand times the stable one: bounded, and at rest in the end.
 TEST(ImplicitIntegrators, EulerTakesAnyStep) {
-  Diagnostics diagnostics;
-  Simulation simulation(swinging("implicit-euler", 0.25, 25), host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(swinging("implicit-euler", 0.25, 25));
+  simulation.run();
   Scene rest = swinging("static", 1, 1);
   EXPECT_NEAR(simulation.mean_displacement(beam_tip(2))[1], tip_after(rest)[1], 1e-6);
 }
 
 TEST(ImplicitIntegrators, CutsActBetweenSteps) {
   Scene scene = swinging("newmark", 5e-3, 0.3);
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run_to(0.1, nobody);
+  TestSimulation simulation(scene);
+  simulation.run_to(0.1);
   Event cut;
   cut.what = CutPlane{{0.5, 0.125, 0.125}, {1, 0, 0}};
   const Index before = simulation.attributes().vertex_count();
-  simulation.apply(cut, nobody);
+  simulation.apply(cut);
   EXPECT_EQ(simulation.attributes().vertex_count(), before + 9);
-  simulation.run(nobody);
+  simulation.run();
   EXPECT_LT(simulation.mean_displacement(beam_tip(2))[1], -0.03) << "the end falls";
 }
 

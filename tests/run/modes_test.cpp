@@ -17,6 +17,7 @@
 #include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -199,11 +200,9 @@ struct Result {
 };
 
 Result run(const Scene& scene) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  Result result{simulation.run(nobody), {}, 0};
-  for (const auto& warning : diagnostics.warnings()) result.warnings += warning + "\n";
+  TestSimulation simulation(scene);
+  Result result{simulation.run(), {}, 0};
+  for (const auto& warning : simulation.diagnostics.warnings()) result.warnings += warning + "\n";
   Selection end;
   end.what = Selection::Named{"x1"};
   const Vec3 tip = simulation.mean_displacement(end);

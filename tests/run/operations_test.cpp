@@ -12,23 +12,12 @@
 #include "kernel/base/error.hpp"
 #include "kernel/build/built_scene.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
-
-struct Listener : Observer {
-  std::vector<std::string> lines;
-  void on_message(const std::string& line) override { lines.push_back(line); }
-};
-
-Event event_of(EventOperation what, double at = 0) {
-  Event event;
-  event.at = at;
-  event.what = std::move(what);
-  event.path = "/events/0";
-  return event;
-}
 
 // A free block of 6 x 6 x 6 elements that falls.
 Scene falling_block(const char* model, Index n = 6) {
@@ -53,8 +42,7 @@ INSTANTIATE_TEST_SUITE_P(Both, Operations, testing::Values("tm-faure", "mss-baud
 
 TEST_P(Operations, PierceTakesMassAndNothingElse) {
   Scene scene = falling_block(GetParam());
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   simulation.run_to(0.01, heard);
   Pierce pierce;
@@ -87,8 +75,7 @@ TEST_P(Operations, ASutureUndoesACutBitForBit) {
       scene.events.push_back(event_of(CutPlane{{0.5, 0.4, 0.5}, {0, 1, 0.2}}));
       scene.events.push_back(event_of(SewFaces{}));
     }
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
+    TestSimulation simulation(scene);
     Listener heard;
     const RunSummary summary = simulation.run(heard);
     EXPECT_EQ(summary.faces_sewn, summary.faces_cut);
@@ -109,8 +96,7 @@ TEST_P(Operations, ASutureKeepsMassAndMomentum) {
   Constraint hold;  // half of it stays
   hold.where.what = Selection::Named{"x0"};
   scene.constraints.push_back(hold);
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   simulation.run_to(0.05, heard);
   simulation.energies();
@@ -207,8 +193,7 @@ TEST(Blade, CutsWhatItSweepsRelativeToTheTissue) {
       scene.events.push_back(event_of(
           blade({{0.01, {{x, from, -1}, {x, from, 1}}}, {0.04, {{x, to, -1}, {x, to, 1}}}})));
     }
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
+    TestSimulation simulation(scene);
     Listener heard;
     simulation.run_to(0.025, heard);  // half the way
     Index islands = 0;
@@ -218,7 +203,7 @@ TEST(Blade, CutsWhatItSweepsRelativeToTheTissue) {
     EXPECT_EQ(summary.faces_cut, 16u) << (tissue_moves ? "tissue moves" : "blade moves");
     simulation.complex().islands(&islands);
     EXPECT_EQ(islands, 2u);
-    EXPECT_TRUE(diagnostics.warnings().empty()) << diagnostics.warnings()[0];
+    EXPECT_TRUE(simulation.diagnostics.warnings().empty()) << simulation.diagnostics.warnings()[0];
   }
 }
 
@@ -228,13 +213,13 @@ TEST(Blade, ThatMissesIsReportedOnce) {
   scene.solver.end = 0.01;
   scene.events.push_back(
       event_of(blade({{0.001, {{9, 0, 0}, {9, 1, 0}}}, {0.008, {{8, 0, 0}, {8, 1, 0}}}})));
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   EXPECT_EQ(simulation.run(heard).faces_cut, 0u);
-  ASSERT_EQ(diagnostics.warnings().size(), 1u);
-  EXPECT_NE(diagnostics.warnings()[0].find("/events/0: cut had no effect"), std::string::npos)
-      << diagnostics.warnings()[0];
+  ASSERT_EQ(simulation.diagnostics.warnings().size(), 1u);
+  EXPECT_NE(simulation.diagnostics.warnings()[0].find("/events/0: cut had no effect"),
+            std::string::npos)
+      << simulation.diagnostics.warnings()[0];
 }
 
 // Islands keep their numbers; small ones and those that left the region go.
@@ -252,8 +237,7 @@ TEST(IslandEvents, CrumbsAndWhatHasFallenAreRemoved) {
   scene.events.push_back(event_of(small, 0.001));
   scene.events.push_back(event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}}, 0.002));
   scene.events.push_back(watch);
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   const RunSummary summary = simulation.run(heard);
   ASSERT_EQ(heard.lines.size(), 4u);
@@ -283,8 +267,7 @@ TEST(Sleep, LosesNoMoreThanItsBoundAndAnyEventWakes) {
     }
     scene.events.push_back(event_of(CutPlane{{0.4, 0, 0}, {1, 0, 0}}));
     scene.events.push_back(event_of(CutPlane{{0.8, 0, 0}, {1, 0, 0}}, 2.5));
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
+    TestSimulation simulation(scene);
     Listener heard;
     simulation.run_to(2.45, heard);
     std::vector<double> now;
@@ -327,13 +310,12 @@ TEST(SutureBetween, SewsTheEndOfACut) {
   sew.between = {left, right};
   sew.gap = 0.34;  // two elements
   scene.events.push_back(event_of(sew, 0.01));
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   const RunSummary summary = simulation.run(heard);
   EXPECT_GT(summary.faces_cut, 0u);
   EXPECT_EQ(summary.faces_sewn, summary.faces_cut);
-  EXPECT_TRUE(diagnostics.warnings().empty()) << diagnostics.warnings()[0];
+  EXPECT_TRUE(simulation.diagnostics.warnings().empty()) << simulation.diagnostics.warnings()[0];
 }
 
 // What repeats and once had an effect needs no warning; an event that fires once and finds
@@ -347,11 +329,10 @@ TEST(Cuts, ThatFindNothingLeftAreReportedTruly) {
       scene.events.push_back(event_of(plane, 0.01));
     else
       scene.events[0].every = 1;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
+    TestSimulation simulation(scene);
     Listener heard;
     simulation.run(heard);
-    return diagnostics.warnings();
+    return simulation.diagnostics.warnings();
   };
   EXPECT_TRUE(warnings(false).empty());
   EXPECT_EQ(warnings(true),
@@ -385,14 +366,13 @@ TEST(Pierce, ReportsLoadsAndConstraintsThatLoseNodes) {
   // One element at the side y0; then all of that side but those at x1; then those.
   scene.events = {slab({0.3, -1, 0.3}, {0.4, 0.2, 0.4}, 0),
                   slab({-1, -1, -1}, {0.7, 0.2, 2}, 0.002), slab({-1, -1, -1}, {2, 0.2, 2}, 0.004)};
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   EXPECT_EQ(simulation.run(heard).elements_removed, 16u);
   const std::string part = " removes some of the nodes or faces on which ",
                     ends = " acts; it continues to act on the others";
   EXPECT_EQ(
-      diagnostics.warnings(),
+      simulation.diagnostics.warnings(),
       (std::vector<std::string>{"t = 0 s: /events/0 pierce" + part + "/loads/0" + ends,
                                 "t = 0.002 s: /events/0 pierce" + part + "/loads/1" + ends,
                                 "t = 0.004 s: /events/0 pierce removes all nodes or faces on which "
@@ -402,8 +382,7 @@ TEST(Pierce, ReportsLoadsAndConstraintsThatLoseNodes) {
 
 TEST(Mistakes, LeaveEverythingAsItWas) {
   Scene scene = falling_block("tm-faure", 3);
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Listener heard;
   Pierce all;
   all.where = Selection{};

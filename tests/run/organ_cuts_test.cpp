@@ -16,6 +16,7 @@
 #include "tests/base/sanitizer.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -186,8 +187,7 @@ unsigned seed() {
 /// How many inverted, of which a few were borne.
 Index run_cut(const std::string& name, unsigned number) {
   SCOPED_TRACE(name + ", cut " + std::to_string(number) + ", seed " + std::to_string(seed()));
-  Diagnostics diagnostics;
-  Simulation simulation(organ_cut(organs().at(name), number, seed()), host(), diagnostics);
+  TestSimulation simulation(organ_cut(organs().at(name), number, seed()));
   Observer observer;
   try {
     const RunSummary summary = simulation.run(observer);
@@ -197,7 +197,8 @@ Index run_cut(const std::string& name, unsigned number) {
     const auto says = [](const std::string& text) {
       return text.find("inverted") != std::string::npos;
     };
-    EXPECT_EQ(std::ranges::count_if(diagnostics.warnings(), says), summary.inverted_elements > 0);
+    EXPECT_EQ(std::ranges::count_if(simulation.diagnostics.warnings(), says),
+              summary.inverted_elements > 0);
     return static_cast<Index>(summary.inverted_elements);
   } catch (const Error& error) {
     ADD_FAILURE() << error.what();

@@ -16,6 +16,7 @@
 #include "kernel/scene/scene_reader.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -146,8 +147,7 @@ TEST(AddTerm, ActsIsBookedAndLimitsTheStep) {
   Scene scene = sagging_bar();
   scene.solver.dt.reset();
   scene.solver.safety = 0.2;  // the balance decreases with the square of the step
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Watcher watcher;
   simulation.run_to(0.01, watcher);
   const double dt = simulation.next_dt();

@@ -10,6 +10,7 @@
 #include "kernel/base/error.hpp"
 #include "tests/run/equilibrium.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -46,8 +47,7 @@ TEST(Path, BeyondItsLimitAPressedCubeCarriesLess) {
   hold(scene, at({any, 0, any}), 2);
   hold(scene, at({any, any, 0}), 4);
   load(scene, at({1, any, any}), {-pressure, 0, 0});
-  Diagnostics diagnostics;
-  Simulation simulation(along_the_path(scene, 1, 1), host(), diagnostics);
+  TestSimulation simulation(along_the_path(scene, 1, 1));
   Heard heard;
   try {
     simulation.run(heard);
@@ -106,8 +106,7 @@ TEST(Path, AStripThatSnapsThroughAgreesWithAPrescribedDisplacement) {
   Scene scene = half_strip();
   push(scene, up, 0);
   push(scene, -down, 1);
-  Diagnostics diagnostics;
-  Simulation simulation(along_the_path(scene, 2, 2), host(), diagnostics);
+  TestSimulation simulation(along_the_path(scene, 2, 2));
   Heard heard;
   EXPECT_EQ(simulation.run(heard).outcome, RunSummary::Outcome::finished);
   const double end = simulation.mean_displacement(mid_edge())[1];
@@ -126,8 +125,7 @@ TEST(Path, AStripThatSnapsThroughAgreesWithAPrescribedDisplacement) {
 TEST(Path, OfAMotionLeadsToItsEnd) {
   Scene scene = half_strip();
   hold(scene, mid_edge(), 2, {0, 0.03, 0});
-  Diagnostics diagnostics;
-  Simulation simulation(along_the_path(scene, 1, 2), host(), diagnostics);
+  TestSimulation simulation(along_the_path(scene, 1, 2));
   Heard heard;
   EXPECT_EQ(simulation.run(heard).outcome, RunSummary::Outcome::finished);
   EXPECT_TRUE(heard.messages.empty());
@@ -139,9 +137,7 @@ TEST(Path, OfStepsInWhichNothingChangesStaysWhereItIs) {
   Scene scene = half_strip();
   scene.gravity = {0, -0.1, 0};
   scene.constraints[0].moves = false;
-  Diagnostics diagnostics;
-  Simulation one(along_the_path(scene, 1, 1), host(), diagnostics),
-      three(along_the_path(scene, 3, 3), host(), diagnostics);
+  TestSimulation one(along_the_path(scene, 1, 1)), three(along_the_path(scene, 3, 3));
   Heard heard;
   one.run(heard);
   three.run(heard);

@@ -11,7 +11,9 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/contact_scenes.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -21,14 +23,9 @@ TEST(ContactScenes, AStackOfTwoPiecesComesToRest) {
   scene.contact.pieces = true;
   scene.contact.friction = 0.5;
   scene.solver.until_rest = scene.solver.automatic_damping = true;
-  Event cut;
-  cut.what = CutPlane{{0, 0, 0.1}, {0, 0, 1}};
-  cut.path = "/events/0";
-  scene.events = {cut};
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  const RunSummary summary = simulation.run(nobody);
+  scene.events = {event_of(CutPlane{{0, 0, 0.1}, {0, 0, 1}})};
+  TestSimulation simulation(scene);
+  const RunSummary summary = simulation.run();
   EXPECT_EQ(summary.outcome, RunSummary::Outcome::at_rest);
   EXPECT_EQ(summary.faces_cut, 16u);
 }
@@ -41,16 +38,11 @@ TEST(ContactScenes, TheUpperHalfOfACutBlockRestsOnTheLower) {
     scene.contact.friction = 0.5;
     scene.solver.damping = 2;
     scene.solver.end = 1;
-    Event cut;
-    cut.at = 0.1;
-    cut.what = CutPlane{{0, 0, 0.101}, {0, 0, 1}};
-    cut.path = "/events/0";
+    Event cut = event_of(CutPlane{{0, 0, 0.101}, {0, 0, 1}}, 0.1);
     cut.rest_shape = true;
     scene.events = {cut};
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    EXPECT_EQ(simulation.run(nobody).faces_cut, 64u);
+    TestSimulation simulation(scene);
+    EXPECT_EQ(simulation.run().faces_cut, 64u);
     Attributes& a = simulation.attributes();
     double low = 1;
     for (Index v = 0; v < a.vertex_count(); ++v)
@@ -107,11 +99,7 @@ Scene falling_letters(std::mt19937& random) {
   wall("right", {middle, -0.3, 0}, {-slope, 1, 0});
   wall("back", {0, 0, -0.01}, {0, 0, 1});
   wall("front", {0, 0, 0.11}, {0, 0, -1});
-  Event cut;
-  cut.at = 0.3;
-  cut.what = CutPlane{{0.28, 0.1, 0}, {jitter(random), 1, 0}};
-  cut.path = "/events/0";
-  scene.events = {cut};
+  scene.events = {event_of(CutPlane{{0.28, 0.1, 0}, {jitter(random), 1, 0}}, 0.3)};
   return scene;
 }
 
@@ -130,11 +118,9 @@ double deepest(Simulation& simulation, double edge) {
 TEST(ContactScenes, LettersComeToRestInAPileWithoutEnteringEachOther) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     std::mt19937 random(seed);
-    Diagnostics diagnostics;
-    Simulation simulation(falling_letters(random), host(), diagnostics);
-    Observer nobody;
+    TestSimulation simulation(falling_letters(random));
     for (int frame = 1; frame <= 40; ++frame) {
-      simulation.run_to(0.05 * frame, nobody);
+      simulation.run_to(0.05 * frame);
       EXPECT_LT(deepest(simulation, 0.05), 0.1) << "seed " << seed << ", frame " << frame;
     }
     double kinetic = 0;  // relative to a fall of one letter
@@ -153,10 +139,8 @@ TEST(ContactScenes, PiecesAndLipsHaveTheSameBitsForAnyNumberOfThreads) {
   for (const unsigned threads : thread_counts()) {
     Scene scene = cut_block();
     scene.solver.threads = threads;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(scene);
+    simulation.run();
     const Column& x = simulation.attributes().position();
     const std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
     EXPECT_GT(simulation.contact()->touches().size(), 100u);
@@ -208,15 +192,13 @@ TEST(ContactScenes, PiecesThatOverlapAtTheEndAreReported) {
   scene.solver.dt = 1e-4;
   scene.solver.end = 1e-2;
   const auto warnings = [&](double jump) {
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run_to(5e-3, nobody);
+    TestSimulation simulation(scene);
+    simulation.run_to(5e-3);
     for (Index v = 27; v < 54; ++v)
       simulation.attributes().position().set(v, 2,
                                              simulation.attributes().position().get(v, 2) - jump);
-    simulation.run(nobody);
-    return diagnostics.warnings();
+    simulation.run();
+    return simulation.diagnostics.warnings();
   };
   EXPECT_TRUE(warnings(0.05).empty());
   const std::vector<std::string> found = warnings(0.5);
@@ -241,8 +223,7 @@ TEST(ContactScenes, AFixedStepInWhichContactFailsStopsTheRun) {
   scene.constraints[1].moves = true;
   scene.solver.dt = 1e-3;
   scene.solver.end = 0.1;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   const std::string text = error_of(simulation);
   EXPECT_NE(text.find("contact did not hold: the pieces of elements "), std::string::npos) << text;
   EXPECT_NE(text.find("\"auto\""), std::string::npos) << text;

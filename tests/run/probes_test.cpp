@@ -11,6 +11,7 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
 
 namespace suture::test {
@@ -216,11 +217,7 @@ TEST_F(Probes, AtAPointShowTheElementsAroundItsNode) {
 }
 
 TEST_F(Probes, ShowNaNWhereEverythingWasRemoved) {
-  Event pierce;
-  pierce.at = 100e-4;
-  pierce.what = Pierce{selection(Selection::Ids{{7}}), {}, 0};
-  pierce.path = "/events/0";
-  scene_.events.push_back(pierce);
+  scene_.events.push_back(event_of(Pierce{selection(Selection::Ids{{7}}), {}, 0}, 100e-4));
   add("gone", selection(Selection::Ids{{7}}), {"von_mises"});
   add("left", selection(Selection::Ids{{6, 7}}), {"von_mises", "element_id"});
   const CsvTable table = run();

@@ -8,6 +8,7 @@
 #include "kernel/base/error.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -26,11 +27,9 @@ struct Rested {
 };
 
 Rested rested(const Scene& scene) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  Rested result{simulation.run(nobody), {}};
-  for (const auto& warning : diagnostics.warnings()) result.warnings += warning + "\n";
+  TestSimulation simulation(scene);
+  Rested result{simulation.run(), {}};
+  for (const auto& warning : simulation.diagnostics.warnings()) result.warnings += warning + "\n";
   return result;
 }
 

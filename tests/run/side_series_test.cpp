@@ -11,18 +11,12 @@
 
 #include "kernel/base/error.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
 #include "tests/run/open_scene.hpp"
 
 namespace suture::test {
 namespace {
-
-Event event_of(EventOperation what) {
-  Event event;
-  event.what = std::move(what);
-  event.path = "/events/0";
-  return event;
-}
 
 /// A beam of 8 x 2 x 2 elements, 1 m x 0.25 m x 0.25 m, with one series.
 struct Shown : test::OpenScene {

@@ -13,6 +13,7 @@
 
 #include "tests/run/beam.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -34,10 +35,8 @@ std::vector<double> rows(const Column& column) {
 }
 
 Result run(const Scene& scene, bool skip) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics, skip);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(scene, skip);
+  simulation.run();
   return {rows(simulation.attributes().position()), rows(simulation.attributes().velocity()),
           simulation.decisions()};
 }

@@ -12,7 +12,9 @@
 #include "kernel/dynamics/pieces.hpp"
 #include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -42,8 +44,7 @@ TEST_P(StaticSolve, AgreesWithTheIndependentSolution) {
   const auto n = static_cast<Index>(expected.cells_y);
   const Scene scene = equilibrium(
       beam(host(), "tm-faure", static_cast<Index>(expected.cells_x), n, expected.gravity));
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Counted observer;
   const RunSummary summary = simulation.run(observer);
   EXPECT_EQ(summary.steps, 1u);
@@ -78,10 +79,8 @@ Tips tips_of(const Scene& scene, double tolerance, Counted& observer) {
   Scene slow = scene;
   slow.solver.until_rest = slow.solver.automatic_damping = true;
   slow.solver.tolerance = tolerance;
-  Diagnostics diagnostics;
-  Observer nobody;
-  Simulation relaxed(slow, host(), diagnostics), solved(equilibrium(scene), host(), diagnostics);
-  relaxed.run(nobody);
+  TestSimulation relaxed(slow), solved(equilibrium(scene));
+  relaxed.run();
   EXPECT_EQ(solved.run(observer).outcome, RunSummary::Outcome::finished);
   return {relaxed.mean_displacement(beam_tip(2)), solved.mean_displacement(beam_tip(2))};
 }
@@ -118,10 +117,8 @@ TEST(Static, PrescribedMotionGivesUniaxialTensionInAnyNumberOfSteps) {
       plane.components = static_cast<std::uint8_t>(1 << c);
       scene.constraints.push_back(plane);
     }
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    simulation.run(nobody);
+    TestSimulation simulation(scene);
+    simulation.run();
     const double lateral = std::sqrt(1 - 0.3 * (1.5 * 1.5 - 1));
     Attributes& attributes = simulation.attributes();
     for (Index v = 0; v < attributes.vertex_count(); ++v)
@@ -138,10 +135,8 @@ TEST(Static, AStraightColumnAboveItsEulerLoadIsReportedAsUnstable) {
     const double second_moment = std::pow(0.25, 4) / 12;
     const double euler = std::pow(std::numbers::pi / 2, 2) * 400e3 * second_moment;
     scene.gravity = {-part * 3.18 * euler / (1000 * 0.0625), 0, 0};  // of the tip load: 7.84 / 2.47
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    const RunSummary summary = simulation.run(nobody);
+    TestSimulation simulation(scene);
+    const RunSummary summary = simulation.run();
     EXPECT_EQ(summary.outcome,
               part < 1 ? RunSummary::Outcome::finished : RunSummary::Outcome::unstable_equilibrium);
   }
@@ -151,12 +146,10 @@ TEST(Static, AStraightColumnAboveItsEulerLoadIsReportedAsUnstable) {
 TEST(Static, AToleranceBelowRoundingIsReported) {
   Scene scene = equilibrium(beam(host(), "tm-faure", 8, 2, 9.8));
   scene.solver.step_tolerance = 1e-17;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  EXPECT_EQ(simulation.run(nobody).outcome, RunSummary::Outcome::finished);
-  ASSERT_EQ(diagnostics.warnings().size(), 1u);
-  EXPECT_THAT(diagnostics.warnings()[0],
+  TestSimulation simulation(scene);
+  EXPECT_EQ(simulation.run().outcome, RunSummary::Outcome::finished);
+  ASSERT_EQ(simulation.diagnostics.warnings().size(), 1u);
+  EXPECT_THAT(simulation.diagnostics.warnings()[0],
               testing::HasSubstr("rounding kept the residual of 1 step"));
 }
 
@@ -176,8 +169,7 @@ Scene turned_end(unsigned frames, double angle = std::numbers::pi) {
 
 // Half a turn of the end in one step would crush what is beside it; the bar follows as a whole.
 TEST(Static, ALargeRotationOfTheEndIsFollowedInFewSteps) {
-  Diagnostics diagnostics;
-  Simulation simulation(turned_end(6), host(), diagnostics);
+  TestSimulation simulation(turned_end(6));
   Counted observer;
   simulation.run(observer);
   EXPECT_EQ(observer.messages, std::vector<std::string>{});
@@ -185,8 +177,7 @@ TEST(Static, ALargeRotationOfTheEndIsFollowedInFewSteps) {
 }
 
 double energy_of_turned_end(unsigned frames, double angle) {
-  Diagnostics diagnostics;
-  Simulation simulation(turned_end(frames, angle), host(), diagnostics);
+  TestSimulation simulation(turned_end(frames, angle));
   Counted observer;
   simulation.run(observer);
   return simulation.energies().elastic;
@@ -220,11 +211,9 @@ Scene pressed_column(double traction) {
 
 TEST(Static, ALoadBeyondTheLimitOfTheLawIsFollowedUpToIt) {
   const double limit = 400e3 / std::sqrt(27.0), load = limit / 0.77;
-  Diagnostics diagnostics;
-  Simulation simulation(pressed_column(load), host(), diagnostics);
-  Observer nobody;
+  TestSimulation simulation(pressed_column(load));
   try {
-    simulation.run(nobody);
+    simulation.run();
     FAIL() << "there is no equilibrium";
   } catch (const NumericalError& error) {
     const std::string text = error.what();
@@ -239,12 +228,10 @@ TEST(Static, ALoadBeyondTheLimitOfTheLawIsFollowedUpToIt) {
 
 // Half a turn at once is more than Newton's method can follow.
 TEST(Static, ALargeRotationAtOnceIsFollowedInParts) {
-  Diagnostics diagnostics;
-  Simulation simulation(turned_end(1), host(), diagnostics),
-      steps(turned_end(6), host(), diagnostics);
-  Counted observer, nobody;
+  TestSimulation simulation(turned_end(1)), steps(turned_end(6));
+  Counted observer;
   EXPECT_EQ(simulation.run(observer).steps, 1u);
-  steps.run(nobody);
+  steps.run();
   EXPECT_THAT(observer.details,
               testing::Contains("a rotation by more than 45 degrees is followed in parts"));
   EXPECT_THAT(observer.details, testing::Contains(testing::HasSubstr("equilibrium at 100 %")));
@@ -262,8 +249,7 @@ TEST(Static, NewtonConvergesFastUnderAPressureThatFollows) {
     load.where.what = Selection::Named{side};
     scene.loads.push_back(load);
   }
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Counted observer;
   EXPECT_EQ(simulation.run(observer).outcome, RunSummary::Outcome::finished);
   EXPECT_LE(observer.iterations, 8);
@@ -292,8 +278,7 @@ TEST(Static, ModelsWithoutAnEnergyAreSolvedWithTheirWholeTangent) {
   swirl.model = &host().model("swirl");
   swirl.parameters = parameters(*swirl.model, {{"k", 200}});
   scene.models.push_back(swirl);
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Counted observer;
   EXPECT_EQ(simulation.run(observer).outcome, RunSummary::Outcome::finished);
   EXPECT_LE(observer.iterations, 8);
@@ -303,29 +288,22 @@ TEST(Static, ModelsWithoutAnEnergyAreSolvedWithTheirWholeTangent) {
 /// The right half is cut off under its weight, half-way through a run of two steps.
 Scene cut_in_two() {
   Scene scene = equilibrium(beam(host(), "tm-faure", 16, 3, 9.8), 2);
-  Event cut;
-  cut.at = 0.5;
-  cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
-  cut.path = "/events/0";
+  Event cut = event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}}, 0.5);
   cut.rest_shape = true;
   scene.events.push_back(cut);
   return scene;
 }
 
 TEST(Static, APieceThatIsCutOffIsRefused) {
-  Diagnostics diagnostics;
-  Simulation simulation(cut_in_two(), host(), diagnostics);
-  Observer nobody;
-  EXPECT_THAT([&] { simulation.run(nobody); },
-              testing::ThrowsMessage<NumericalError>(
-                  testing::HasSubstr("set /solver/static/free_pieces to \"hold\"")));
+  TestSimulation simulation(cut_in_two());
+  EXPECT_THAT([&] { simulation.run(); }, testing::ThrowsMessage<NumericalError>(testing::HasSubstr(
+                                             "set /solver/static/free_pieces to \"hold\"")));
 }
 
 TEST(Static, InertiaReliefLetsAFreePieceRelaxWhereItIs) {
   Scene scene = cut_in_two();
   scene.solver.hold_free_pieces = true;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   Counted observer;
   simulation.run_to(0.5, observer);
   Attributes& attributes = simulation.attributes();

@@ -14,6 +14,7 @@
 #include "kernel/output/checkpoint_file.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/contact_scenes.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
 
 namespace suture::test {
@@ -41,10 +42,8 @@ Scene block_with_knife() {
   Scene scene = probed_block();
   Obstacle& knife = scene.contact.obstacles.emplace_back();
   knife = {"knife", "/contact/obstacles/1", Sphere{{-0.05, 0.12, 0.4}, 0.02}};
-  Event cut;
-  cut.path = "/events/0";
-  cut.what = CutBlade{{}, CutBlade::Carried{1, "knife", {{-0.05, 0.12, 0.12}, {-0.05, 0.12, 0.4}}}};
-  scene.events = {cut};
+  scene.events = {event_of(
+      CutBlade{{}, CutBlade::Carried{1, "knife", {{-0.05, 0.12, 0.12}, {-0.05, 0.12, 0.4}}}})};
   return scene;
 }
 

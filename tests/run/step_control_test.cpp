@@ -17,18 +17,15 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
 
 using Integrator = std::string;
 constexpr double never = 1e300;
-
-struct Listener : Observer {
-  std::vector<std::string> lines;
-  void on_message(const std::string& line) override { lines.push_back(line); }
-};
 
 class Retry : public testing::TestWithParam<Integrator> {
  protected:
@@ -51,13 +48,7 @@ class Retry : public testing::TestWithParam<Integrator> {
         {{"how", how}, {"from", from}, {"to", to}, {"longest", longest}, {"factor", factor}});
     scene.models.push_back(use);
   }
-  void add_cut() {
-    Event cut;
-    cut.at = 0.02;
-    cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
-    cut.path = "/events/0";
-    scene.events.push_back(cut);
-  }
+  void add_cut() { scene.events.push_back(event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}}, 0.02)); }
   RunSummary run() {
     simulation = std::make_unique<Simulation>(scene, host(), diagnostics);
     return simulation->run(listener);
@@ -211,10 +202,7 @@ TEST_P(Retry, CutsWithABladeWhatAnUndisturbedRunCuts) {
   CutBlade blade;
   for (const auto& [at, y] : {std::pair{0.01, 0.3}, std::pair{0.09, -0.05}})
     blade.stations.push_back({at, {{0.4, y, -0.1}, {0.4, y, 0.4}}});
-  Event event;
-  event.what = blade;
-  event.path = "/events/0";
-  scene.events.push_back(event);
+  scene.events.push_back(event_of(blade));
   const RunSummary whole = run();
   ASSERT_EQ(whole.faces_cut, 4u);
   for (const double from : {0.015, 0.042, 0.07, 0.088}) {
@@ -303,9 +291,8 @@ TEST(UnstableSteps, AreFoundAndMadeAgain) {
   for (const double safety : {0.05, 0.8}) {
     Scene scene = stretched();
     scene.solver.safety = safety;
-    Diagnostics diagnostics;
     Listener listener;
-    Simulation simulation(scene, host(), diagnostics);
+    TestSimulation simulation(scene);
     const RunSummary summary = simulation.run(listener);
     EXPECT_EQ(summary.outcome, RunSummary::Outcome::finished);
     EXPECT_LT(std::abs(summary.balance), 0.02 * summary.exchanged) << safety;
@@ -325,9 +312,8 @@ TEST(UnstableSteps, OfAFixedStepEndTheRunWithAdviceThatFits) {
   Scene scene = beam(host(), "tm-faure", 4, 2, 9.8);
   scene.solver.end = 1e4;
   scene.solver.dt = 0.02;
-  Diagnostics diagnostics;
   Listener listener;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   try {
     simulation.run(listener);
     FAIL() << "no error";

@@ -7,6 +7,7 @@
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -83,11 +84,9 @@ TEST_F(Tables, EndAtRest) {
 
 // Stops in between add no rows.
 TEST_F(Tables, GoOnAfterALookInBetween) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene_, host(), diagnostics);
-  Observer nobody;
-  for (const double time : {2e-4, 4e-4, 5e-4, 10e-4}) simulation.run_to(time, nobody);
-  simulation.run(nobody);
+  TestSimulation simulation(scene_);
+  for (const double time : {2e-4, 4e-4, 5e-4, 10e-4}) simulation.run_to(time);
+  simulation.run();
   EXPECT_EQ(CsvTable(folder_ / "out/probes.csv").column("step"), (Steps{0, 4, 8, 10}));
 }
 

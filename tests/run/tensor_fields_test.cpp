@@ -13,6 +13,7 @@
 #include "kernel/operations/event_runner.hpp"
 #include "kernel/results/nodal_stress.hpp"
 #include "tests/run/beam.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
 
 namespace suture::test {
@@ -87,10 +88,7 @@ class TensorFields : public testing::Test {
  private:
   static Scene scene() {
     Scene scene = beam(host(), "tm-faure", 4, 3, 0);
-    Event cut;
-    cut.what = CutPlane{{0.5, 0, 0}, {1, 0, 0}};
-    cut.path = "/events/0";
-    scene.events = {cut};
+    scene.events = {event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}})};
     return scene;
   }
 };

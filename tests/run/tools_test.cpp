@@ -13,7 +13,9 @@
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
+#include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test::tools_test {
 namespace {
@@ -30,10 +32,7 @@ Scene cut_block(CutBlade blade, const RigidPath& motion) {
   scene.contact.obstacles = {obstacle};
   scene.solver.dt = dt;
   scene.solver.end = 0.2;
-  Event event;
-  event.path = "/events/0";
-  event.what = std::move(blade);
-  scene.events = {event};
+  scene.events = {event_of(std::move(blade))};
   return scene;
 }
 
@@ -43,10 +42,8 @@ struct Result {
 };
 
 Result run(const Scene& scene) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  const RunSummary summary = simulation.run(nobody);
+  TestSimulation simulation(scene);
+  const RunSummary summary = simulation.run();
   const Column& x = simulation.attributes().position();
   return {summary.faces_cut, {x.rows(), x.rows() + 4 * std::size_t{x.size()}}};
 }
@@ -117,10 +114,8 @@ TEST(Tools, WriteWhatTheHandFeelsAndWhereTheToolIs) {
   scene.output.directory = folder.path() / "out";
   scene.output.frames = false;
   scene.output.tools_every = 1;
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
-  Observer nobody;
-  simulation.run(nobody);
+  TestSimulation simulation(scene);
+  simulation.run();
   const CsvTable tools(folder.path() / "out" / "tools.csv");
   ASSERT_EQ(tools.columns.size(), 2u + 6 * 3);
   const auto tool = *simulation.contact()->tool_state(0);
@@ -142,10 +137,8 @@ TEST(Tools, HaveTheSameBitsForAnyNumberOfThreads) {
     scene.solver.end = 0.05;
     scene.contact.obstacles[0].motion.stations.back() = {0.05, {0.16, 0, -0.02}, 0.05};
     scene.solver.threads = threads;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
-    Observer nobody;
-    const RunSummary summary = simulation.run(nobody);
+    TestSimulation simulation(scene);
+    const RunSummary summary = simulation.run();
     EXPECT_GT(summary.faces_cut, 0u);
     const Column& x = simulation.attributes().position();
     std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <regex>
 
-#include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -30,12 +30,11 @@ std::string at(const Vec3& point, const Vec3& shift) {
 }
 
 TranslatedRun::TranslatedRun(const Scene& scene) {
-  Diagnostics diagnostics;
-  Simulation simulation(scene, host(), diagnostics);
+  TestSimulation simulation(scene);
   MessageList heard;
   summary = simulation.run(heard);
   events = heard.lines;
-  warnings = diagnostics.warnings();
+  warnings = simulation.diagnostics.warnings();
   Attributes& a = simulation.attributes();
   for (Index v = 0; v < a.vertex_count(); ++v) {
     if (!simulation.complex().exists(0, v)) continue;

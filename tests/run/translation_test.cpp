@@ -17,6 +17,7 @@
 #include "tests/run/beam.hpp"
 #include "tests/run/csv_table.hpp"
 #include "tests/run/host.hpp"
+#include "tests/run/test_simulation.hpp"
 
 namespace suture::test {
 namespace {
@@ -212,8 +213,7 @@ TEST(Translation, OfWhatAProgramAsks) {
     scene.mesh.box->origin = shift;
     scene.solver.dt = 1e-3;
     scene.solver.end = 0.05;
-    Diagnostics diagnostics;
-    Simulation simulation(scene, host(), diagnostics);
+    TestSimulation simulation(scene);
     MessageList heard;
     simulation.run_to(0.01, heard);
     Event cut;

@@ -189,13 +189,30 @@ INSTANTIATE_TEST_SUITE_P(Isa, Laws, testing::ValuesIn(runnable_isas()),
 
 // ------------------------------------------------------------------ relaxation --
 
+std::array<Hexahedron, 8> unit_cubes() {
+  std::array<Hexahedron, 8> all;
+  for (auto& X : all)
+    for (int n = 0; n < 8; ++n) X[n] = {double(n & 1), double(n >> 1 & 1), double(n >> 2)};
+  return all;
+}
+
+/// Stretches unit cubes along x to the length `s`. Returns the force on the ends, N.
+double pull(HexahedronBatch& batch, double s) {
+  for (int lane = 0; lane < 8; ++lane)
+    for (int n = 0; n < 8; ++n) batch.position(lane, n, 0) = s * (n & 1);
+  EXPECT_EQ(batch.force(), SUTURE_OK);
+  double sum = 0;
+  for (const int n : {1, 3, 5, 7}) sum -= batch.force_at(3, n, 0);
+  return sum;
+}
+
 /// Simple shear of a unit cube of visco.
 class Relaxation {
  public:
   explicit Relaxation(const std::string& isa)
       : model_(load_plugin(SUTURE_PLUGIN_FOLDER, "visco", isa).models[0],
                {law::stiffness, law::exponent, 1e5, 1000, law::shortest}),
-        batch_(model_, model_.functor("parallelepipeds, mean gradient"), boxes()) {}
+        batch_(model_, model_.functor("parallelepipeds, mean gradient"), unit_cubes()) {}
 
   /// The shear stress after a step to the shear `gamma`, Pa.
   double step(double dt, double gamma) {
@@ -214,12 +231,6 @@ class Relaxation {
   }
 
  private:
-  static std::array<Hexahedron, 8> boxes() {
-    std::array<Hexahedron, 8> all;
-    for (auto& X : all)
-      for (int n = 0; n < 8; ++n) X[n] = {double(n & 1), double(n >> 1 & 1), double(n >> 2)};
-    return all;
-  }
   ModelInstance model_;
   HexahedronBatch batch_;
 };
@@ -280,27 +291,16 @@ TEST_P(Laws, DamageSpringsWeakenForGood) {
   const double E = 1000, G = 0.4 * E, e0 = 0.02, e1 = 0.1;
   ModelInstance model(load_plugin(SUTURE_PLUGIN_FOLDER, "damage-springs", GetParam()).models[0],
                       {E, 1000, e0, e1});
-  std::array<Hexahedron, 8> cubes;
-  for (auto& X : cubes)
-    for (int n = 0; n < 8; ++n) X[n] = {double(n & 1), double(n >> 1 & 1), double(n >> 2)};
-  HexahedronBatch batch(model, model.functor("damage-springs"), cubes);
-  const auto pull = [&](double s) {
-    for (int lane = 0; lane < 8; ++lane)
-      for (int n = 0; n < 8; ++n) batch.position(lane, n, 0) = s * (n & 1);
-    EXPECT_EQ(batch.force(), SUTURE_OK);
-    double sum = 0;
-    for (const int n : {1, 3, 5, 7}) sum -= batch.force_at(3, n, 0);
-    return sum;
-  };
+  HexahedronBatch batch(model, model.functor("damage-springs"), unit_cubes());
   double largest = e0;
   for (const double s : {1.01, 1.05, 1.2, 1.05, 0.9, 1.2, 1.3}) {
-    const double untouched = pull(1.02);
-    pull(2);  // not accepted
-    EXPECT_EQ(pull(1.02), untouched);
+    const double untouched = pull(batch, 1.02);
+    pull(batch, 2);  // not accepted
+    EXPECT_EQ(pull(batch, 1.02), untouched);
     const auto [energy, slope] = stretched_springs(s);
     largest = std::max(largest, std::sqrt(2 * G * energy / E));
     const double left = e0 / largest * std::exp((e0 - largest) / e1);
-    EXPECT_NEAR(pull(s), left * G * slope, 1e-10 * E) << s;
+    EXPECT_NEAR(pull(batch, s), left * G * slope, 1e-10 * E) << s;
     EXPECT_NEAR(batch.energy()[0], left * G * energy, 1e-10 * E);
     EXPECT_NEAR(batch.field("damage")[0], 1 - left, 1e-12);
     batch.accept();
@@ -313,29 +313,18 @@ TEST_P(Laws, DamageWeakensASolidForGood) {
   const double e0 = 0.05, e1 = 0.2;
   ModelInstance model(load_plugin(SUTURE_PLUGIN_FOLDER, "damage", GetParam()).models[0],
                       {law::mu, law::lambda, 1000, e0, e1});
-  std::array<Hexahedron, 8> cubes;
-  for (auto& X : cubes)
-    for (int n = 0; n < 8; ++n) X[n] = {double(n & 1), double(n >> 1 & 1), double(n >> 2)};
-  HexahedronBatch batch(model, model.functor("parallelepipeds, mean gradient"), cubes);
-  const auto pull = [&](double s) {
-    for (int lane = 0; lane < 8; ++lane)
-      for (int n = 0; n < 8; ++n) batch.position(lane, n, 0) = s * (n & 1);
-    EXPECT_EQ(batch.force(), SUTURE_OK);
-    double sum = 0;
-    for (const int n : {1, 3, 5, 7}) sum -= batch.force_at(3, n, 0);
-    return sum;
-  };
+  HexahedronBatch batch(model, model.functor("parallelepipeds, mean gradient"), unit_cubes());
   double largest = e0;
   for (const double s : {1.01, 1.1, 1.3, 1.1, 0.9, 1.4}) {
-    const double untouched = pull(1.02);
-    pull(2);  // not accepted
-    EXPECT_EQ(pull(1.02), untouched);
+    const double untouched = pull(batch, 1.02);
+    pull(batch, 2);  // not accepted
+    EXPECT_EQ(pull(batch, 1.02), untouched);
     Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
     F(0, 0) = s;
     const double intact = law::neo_hookean_energy(F, law::mu);
     largest = std::max(largest, std::sqrt(2 * intact / law::mu));
     const double left = e0 / largest * std::exp((e0 - largest) / e1);
-    EXPECT_NEAR(pull(s), left * law::neo_hookean(F, law::mu)(0, 0), 1e-10 * law::mu) << s;
+    EXPECT_NEAR(pull(batch, s), left * law::neo_hookean(F, law::mu)(0, 0), 1e-10 * law::mu) << s;
     EXPECT_NEAR(batch.energy()[0], left * intact, 1e-10 * law::mu);
     EXPECT_NEAR(batch.field("largest")[0], largest, 1e-12);
     batch.accept();

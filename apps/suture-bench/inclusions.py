@@ -70,8 +70,10 @@ def solve(options, across, jump):
         text = (folder / "log").read_text(encoding="utf-8")
     # Newton's iterations on the grid itself; those on coarser ones name no linear iterations.
     krylov = [int(n) for n in re.findall(r"Newton iteration .* (\d+) linear iterations", text)]
-    if use.code != 0 or not krylov:
+    if use.code != 0:
         raise RuntimeError(f"no equilibrium of {across}^3 elements with a jump of {jump}: exit code {use.code}")
+    if not krylov:
+        raise RuntimeError("suture run -v names no iterations of Newton's method with their linear iterations")
     unknowns = 3 * (across + 1) ** 3
     is_published = jump == 100
     return {"jump": jump, "elements": across**3, "unknowns": unknowns, "seconds": use.cpu,

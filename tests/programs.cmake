@@ -1,6 +1,19 @@
 # Programs of tests, and what CTest knows of them.
 include(GoogleTest)
 
+# Headers that most files of tests include, parsed once for all programs, with the options of
+# suture_register_test.
+if(SUTURE_PRECOMPILES)
+  file(CONFIGURE OUTPUT test_headers.cpp CONTENT "int main() {}\n")
+  add_executable(test_headers ${CMAKE_CURRENT_BINARY_DIR}/test_headers.cpp)
+  target_link_libraries(test_headers PRIVATE suture::sdk GTest::gtest GTest::gmock)
+  target_include_directories(test_headers PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_options(test_headers PRIVATE $<IF:$<BOOL:${SUTURE_SANITIZER}>,-O0,-O1>)
+  target_precompile_headers(test_headers PRIVATE <gmock/gmock.h> <gtest/gtest.h> <algorithm> <cmath>
+    <cstdlib> <cstring> <filesystem> <fstream> <limits> <map> <random> <set> <sstream> <string> <vector>
+    ${PROJECT_SOURCE_DIR}/kernel/run/simulation.hpp)
+endif()
+
 # suture_add_test(NAME [TOGETHER] SOURCES ... LIBRARIES ...): one program, one CTest entry
 # per GoogleTest case. TOGETHER: no two files define the same name, so that presets that compile
 # several files at once may do so.
@@ -10,6 +23,9 @@ function(suture_add_test name)
   target_link_libraries(${name} PRIVATE suture::kernel GTest::gtest_main GTest::gmock ${ARG_LIBRARIES})
   if(NOT ARG_TOGETHER)
     set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  endif()
+  if(SUTURE_PRECOMPILES AND NOT "CGAL::CGAL" IN_LIST ARG_LIBRARIES)  # which adds options
+    target_precompile_headers(${name} REUSE_FROM test_headers)
   endif()
   # What a test loads at run time is there when it runs.
   add_dependencies(${name} suture_modules suture_plugins)

@@ -21,6 +21,6 @@ void PrintTo(const ChangeCase<Changed>& c, std::ostream* out) {
 }
 
 /// The last argument of INSTANTIATE_TEST_SUITE_P.
-inline constexpr auto name_of = [](const auto& info) { return std::string(info.param.name); };
+inline constexpr auto name_of_case = [](const auto& info) { return std::string(info.param.name); };
 
 }  // namespace suture

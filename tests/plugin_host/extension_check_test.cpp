@@ -207,7 +207,7 @@ const ExtensionCase cases[] = {
      "model 'springs', functor 'others', extension 'suture.output/1', field 'strain': has 6 "
      "components, but the field of this name in an earlier functor of the model has 1"},
 };
-INSTANTIATE_TEST_SUITE_P(Offer, ExtensionCheck, ::testing::ValuesIn(cases), name_of);
+INSTANTIATE_TEST_SUITE_P(Offer, ExtensionCheck, ::testing::ValuesIn(cases), name_of_case);
 
 TEST(Extensions, ThatThrowAreAFaultOfThePlugin) {
   Offer offer;

@@ -376,12 +376,14 @@ const TableCase functor_cases[] = {
      MODEL ", functor 'edges': cell_columns is NULL, but its count is 1"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Plugin, TableCheckCase, ::testing::ValuesIn(plugin_cases), name_of);
+INSTANTIATE_TEST_SUITE_P(Plugin, TableCheckCase, ::testing::ValuesIn(plugin_cases), name_of_case);
 INSTANTIATE_TEST_SUITE_P(PerElement, TableCheckCase, ::testing::ValuesIn(per_element_cases),
-                         name_of);
-INSTANTIATE_TEST_SUITE_P(Parameter, TableCheckCase, ::testing::ValuesIn(parameter_cases), name_of);
-INSTANTIATE_TEST_SUITE_P(Attribute, TableCheckCase, ::testing::ValuesIn(attribute_cases), name_of);
-INSTANTIATE_TEST_SUITE_P(Functor, TableCheckCase, ::testing::ValuesIn(functor_cases), name_of);
+                         name_of_case);
+INSTANTIATE_TEST_SUITE_P(Parameter, TableCheckCase, ::testing::ValuesIn(parameter_cases),
+                         name_of_case);
+INSTANTIATE_TEST_SUITE_P(Attribute, TableCheckCase, ::testing::ValuesIn(attribute_cases),
+                         name_of_case);
+INSTANTIATE_TEST_SUITE_P(Functor, TableCheckCase, ::testing::ValuesIn(functor_cases), name_of_case);
 
 // A scene's author sees all faults at once.
 TEST(TableCheck, AllFaultsAreReportedTogether) {

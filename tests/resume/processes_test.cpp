@@ -4,7 +4,7 @@
 // are stopped and others, of another number, go on.
 //   SUTURE_FULL=1              three scenes of each kind, 200 of divided bodies, 20 kills;
 //   otherwise
-//                              as many scenes as 30 and 15 seconds hold, one kill
+//                              as many scenes as 12 and 6 seconds hold, one kill
 //   SUTURE_PROCESSES_SEED=N    these scenes; otherwise others in each run
 //   SUTURE_PROCESSES_CASE=NAME this one alone, "twist-017-0"
 #include <gmock/gmock.h>
@@ -70,7 +70,7 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
   for (unsigned index = 0; index < (full ? 3u : 1u); ++index)
     for (const Kind& kind : kinds) {
       const auto spent = std::chrono::steady_clock::now() - start;
-      if (!full && shared > 0 && spent > std::chrono::seconds(30)) break;
+      if (!full && shared > 0 && spent > std::chrono::seconds(12)) break;
       Random random(scenes_seed(), kind.name, index);
       const Case what = kind.make(random, index, scenes_seed());
       if (!is_chosen(what)) continue;
@@ -120,7 +120,7 @@ TEST_F(Together, TheyDivideThePasses) {
   unsigned runs = 0, resumed = 0;
   for (unsigned index = 0; index < 200; ++index) {
     const auto spent = std::chrono::steady_clock::now() - start;
-    if (!is_full() && runs > 0 && spent > std::chrono::seconds(15)) break;
+    if (!is_full() && runs > 0 && spent > std::chrono::seconds(6)) break;
     Random random(scenes_seed(), "divided", index);
     const Case what = divided(random, index);
     if (!is_chosen(what)) continue;

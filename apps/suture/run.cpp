@@ -42,8 +42,10 @@ std::string describe(const Progress& progress) {
 /// Shows progress: on a terminal a few times a second, in a log every ten seconds.
 class Watcher final : public Observer {
  public:
-  /// `processes`: those that make the run together; null: this one alone.
-  Watcher(Console& console, Communicator* processes) : console_(console), processes_(processes) {}
+  /// `processes`: those that make the run together; null: this one alone. They ask each other for
+  /// signals at every question, or at some if `steps_are_short`.
+  Watcher(Console& console, Communicator* processes, bool steps_are_short)
+      : console_(console), processes_(processes), steps_between_(steps_are_short ? 8 : 1) {}
 
   void on_progress(const Progress& progress) override {
     const auto now = std::chrono::steady_clock::now();
@@ -62,7 +64,7 @@ class Watcher final : public Observer {
     if (is_at_end_) return true;
     if (!processes_)
       signal_ = caught_signal();
-    else if (questions_++ % steps_between == 0)
+    else if (questions_++ % steps_between_ == 0)
       signal_ = processes_->largest(caught_signal());
     return signal_ != 0;
   }
@@ -73,8 +75,8 @@ class Watcher final : public Observer {
 
  private:
   Console& console_;
-  static constexpr unsigned steps_between = 8;  ///< from question to question to all processes
   Communicator* processes_;
+  unsigned steps_between_;
   unsigned questions_ = 0;
   int signal_ = 0;
   bool is_at_end_ = false;
@@ -228,7 +230,7 @@ int run(const RunCommand& command, Console& console) {
   }
   if (console.verbose()) simulation.measure();
   has_started();
-  Watcher watcher(console, processes);
+  Watcher watcher(console, processes, !simulation.built().dynamics().is_implicit());
   const RunSummary summary = run(simulation, recording, scene, watcher, console);
   if (!console.quiet()) print_summary(summary, console);
   print_costs(simulation.costs(), summary.seconds, console);

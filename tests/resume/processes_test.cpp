@@ -153,6 +153,25 @@ TEST_F(Together, TheyDivideThePasses) {
 
 /// The beam of the tutorial, cut while it sags.
 Case cut_beam() {
+/// Products with the tangent are divided, and everything else is repeated.
+TEST_F(Together, TheySolveEquations) {
+  const std::vector<unsigned> numbers{2, 3, 7};
+  Random random(scenes_seed(), "solved", 0);
+  for (const Case& what :
+       {solved("static", {{"static", {{"frames", 3}}}, {"end", 0.3}}),
+        solved("newmark", {{"integrator", "newmark"}, {"dt", 0.1}, {"end", 0.3}}),
+        solved("xpbd", {{"integrator", "xpbd"}, {"dt", 0.02}, {"end", 0.3}})}) {
+    if (!is_chosen(what)) continue;
+    const unsigned processes = random.pick(numbers);
+    SCOPED_TRACE(what.name + " on " + std::to_string(processes) + " processes");
+    const fs::path at = folder_ / what.name, scene = at / "scene.json";
+    write_case(what, at);
+    EXPECT_EQ(run(what, {scene}, 0, at / "0"), 0) << said(at / "0");
+    EXPECT_EQ(run(what, {scene}, processes, at / "n"), 0) << said(at / "n");
+    EXPECT_EQ(difference(at / "0" / "out", at / "n" / "out"), "");
+  }
+}
+
   for (const Kind& kind : all_kinds()) {
     Random random(1, kind.name, 0);
     if (kind.name == "scene_cut-beam") return kind.make(random, 0, 1);
@@ -255,12 +274,16 @@ TEST_F(Together, WhatTheyCannotShareIsNamed) {
   write_case(what, at);
   EXPECT_EQ(run(what, {at / "scene.json", "--processes", "3"}, 2, at / "three"), 3);
   EXPECT_NE(said(at / "three").find("the launcher of this run has started 2"), std::string::npos);
-  what.scene["solver"] = {{"integrator", "implicit-euler"}, {"dt", 0.01}, {"end", 1}};
+  what.scene["solver"] = {{"integrator", "implicit-euler"},
+                          {"dt", 0.01},
+                          {"end", 1},
+                          {"budget", {{"milliseconds", 5}}}};
   write_case(what, at);
   const std::string scene = (at / "scene.json").string();
-  EXPECT_EQ(run(what, {scene}, 2, at / "implicit"), 3);
-  EXPECT_NE(said(at / "implicit").find("/solver/integrator: several processes"), std::string::npos)
-      << said(at / "implicit");
+  EXPECT_EQ(run(what, {scene}, 2, at / "budget"), 3);
+  EXPECT_NE(said(at / "budget").find("/solver/budget/milliseconds: the clocks of several"),
+            std::string::npos)
+      << said(at / "budget");
 }
 
 /// The words of process 1 differ from those of process 0; returns what both say.

@@ -174,6 +174,11 @@ void report_resume(const CheckpointHeader& header, Simulation& simulation, Conso
                                ": results agree to within rounding, but not bit for bit");
 }
 
+OutputFolder::Writers writers_of(Communicator* processes) {
+  if (!processes) return {};
+  return {processes->size(), processes->rank(), [processes] { processes->largest(0); }};
+}
+
 void report_threads(unsigned wanted, unsigned used, Console& console) {
   if (used < wanted)
     console.note(std::to_string(used) + " of " + count(wanted, "thread") +
@@ -187,7 +192,6 @@ int run(const RunCommand& command, Console& console) {
     return run_by_processes(command.processes, console);
   catch_signals();
   Communicator* const processes = enter_processes(command.processes, console);
-  const bool writes = !processes || processes->rank() == 0;
   PluginHost host(&console.diagnostics());
   std::optional<Recording> recording;
   if (command.resume.empty() && is_recording(command.scene))
@@ -200,9 +204,8 @@ int run(const RunCommand& command, Console& console) {
   const unsigned wanted_threads = scene.solver.threads;
   if (processes && wanted_threads == 0) scene.solver.threads = threads_of_each(*processes);
   // Before anything that takes time: another run may be writing there.
-  const auto folder =
-      writes ? std::make_shared<OutputFolder>(scene.output.directory, scene.output.root)
-             : OutputFolder::silent(scene.output.directory);
+  const auto folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root,
+                                                     writers_of(processes));
   if (scene.output.enabled) {
     folder->open();
     has_opened(*folder);

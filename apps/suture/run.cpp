@@ -42,8 +42,10 @@ std::string describe(const Progress& progress) {
 /// Shows progress: on a terminal a few times a second, in a log every ten seconds.
 class Watcher final : public Observer {
  public:
-  /// `processes`: those that make the run together; null: this one alone.
-  Watcher(Console& console, Communicator* processes) : console_(console), processes_(processes) {}
+  /// `processes`: those that make the run together; null: this one alone. They ask each other for
+  /// signals at every question, or at some if `steps_are_short`.
+  Watcher(Console& console, Communicator* processes, bool steps_are_short)
+      : console_(console), processes_(processes), steps_between_(steps_are_short ? 8 : 1) {}
 
   void on_progress(const Progress& progress) override {
     const auto now = std::chrono::steady_clock::now();
@@ -62,7 +64,7 @@ class Watcher final : public Observer {
     if (is_at_end_) return true;
     if (!processes_)
       signal_ = caught_signal();
-    else if (questions_++ % steps_between == 0)
+    else if (questions_++ % steps_between_ == 0)
       signal_ = processes_->largest(caught_signal());
     return signal_ != 0;
   }
@@ -73,8 +75,8 @@ class Watcher final : public Observer {
 
  private:
   Console& console_;
-  static constexpr unsigned steps_between = 8;  ///< from question to question to all processes
   Communicator* processes_;
+  unsigned steps_between_;
   unsigned questions_ = 0;
   int signal_ = 0;
   bool is_at_end_ = false;
@@ -172,6 +174,11 @@ void report_resume(const CheckpointHeader& header, Simulation& simulation, Conso
                                ": results agree to within rounding, but not bit for bit");
 }
 
+OutputFolder::Writers writers_of(Communicator* processes) {
+  if (!processes) return {};
+  return {processes->size(), processes->rank(), [processes] { processes->largest(0); }};
+}
+
 void report_threads(unsigned wanted, unsigned used, Console& console) {
   if (used < wanted)
     console.note(std::to_string(used) + " of " + count(wanted, "thread") +
@@ -185,7 +192,6 @@ int run(const RunCommand& command, Console& console) {
     return run_by_processes(command.processes, console);
   catch_signals();
   Communicator* const processes = enter_processes(command.processes, console);
-  const bool writes = !processes || processes->rank() == 0;
   PluginHost host(&console.diagnostics());
   std::optional<Recording> recording;
   if (command.resume.empty() && is_recording(command.scene))
@@ -198,9 +204,8 @@ int run(const RunCommand& command, Console& console) {
   const unsigned wanted_threads = scene.solver.threads;
   if (processes && wanted_threads == 0) scene.solver.threads = threads_of_each(*processes);
   // Before anything that takes time: another run may be writing there.
-  const auto folder =
-      writes ? std::make_shared<OutputFolder>(scene.output.directory, scene.output.root)
-             : OutputFolder::silent(scene.output.directory);
+  const auto folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root,
+                                                     writers_of(processes));
   if (scene.output.enabled) {
     folder->open();
     has_opened(*folder);
@@ -228,7 +233,7 @@ int run(const RunCommand& command, Console& console) {
   }
   if (console.verbose()) simulation.measure();
   has_started();
-  Watcher watcher(console, processes);
+  Watcher watcher(console, processes, !simulation.built().dynamics().is_implicit());
   const RunSummary summary = run(simulation, recording, scene, watcher, console);
   if (!console.quiet()) print_summary(summary, console);
   print_costs(simulation.costs(), summary.seconds, console);

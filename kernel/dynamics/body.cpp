@@ -44,7 +44,7 @@ FieldEquation& Body::field(std::string_view name) {
 void Body::share(std::unique_ptr<BodyShare> share) {
   share_ = std::move(share);
   models_->share(*share_);
-  attributes_.partial_rows().complete_by([this](double* rows) { share_->complete(rows); });
+  attributes_.partial_rows().complete_by([this](double* rows) { share_->complete({rows, 4}); });
 }
 
 void Body::check_plugins() {

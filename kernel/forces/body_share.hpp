@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,15 @@
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
+
+/// Rows of numbers, one for each vertex.
+struct VertexRows {
+  template <class Number>
+  VertexRows(Number* rows, std::size_t numbers)
+      : data(reinterpret_cast<std::byte*>(rows)), bytes(numbers * sizeof(Number)) {}
+  std::byte* data;
+  std::size_t bytes;  ///< of a row, a multiple of 8
+};
 
 /// The part of a body that this process computes, of several that hold the same body
 /// (kernel/processes). All of them call the same functions in the same order.
@@ -31,11 +41,11 @@ class BodyShare {
 
   /// By vertex of the complex as it is now: whether another process sums its forces. O(vertices).
   virtual std::vector<bool> others(const CellComplex& complex) = 0;
-  /// Each common vertex of `rows` (4 numbers) gets what its process has summed, and `failure`
-  /// becomes the first of all processes. After others().
-  virtual void join_common(double* rows, Failure& failure) = 0;
+  /// Each common vertex gets the row that its process has summed, and `failure` becomes the first
+  /// of all processes. After others().
+  virtual void join_common(VertexRows rows, Failure& failure) = 0;
   /// Each vertex of another process gets the row of that process.
-  virtual void complete(double* rows) = 0;
+  virtual void complete(VertexRows rows) = 0;
 
   // ---- steps
 

@@ -340,6 +340,7 @@ const loops::Job& CompiledFunctor::job(Attributes& attributes, const CellComplex
   job_.time = time;
   job_.dt = dt;
   job_.function = function_;
+  job_.skewed_begin = dimension_ == 3 ? instance_.skewed_begin : 0;
   job_.live = live.data();
   const OwnRest& own = attributes.rest_places(complex).own();
   job_.rest_slots = dimension_ == 3 ? own.slots() : nodes_->rest_slots();

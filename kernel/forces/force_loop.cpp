@@ -57,9 +57,9 @@ Failure ForceLoop::Impl::add_forces(double time, double dt, Part part, double* r
 void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
   if (rows == nullptr) rows = impl_->attributes.force().rows();
   Failure first = impl_->add_forces(time, dt, part, rows);
-  if (impl_->share) {
-    impl_->share->complete(rows);
-    impl_->share->join_common(rows, first);
+  if (impl_->is_divided()) {
+    impl_->share->complete({rows, 4});
+    impl_->share->join_common({rows, 4}, first);
   }
   impl_->raise(first, time);
 }
@@ -67,7 +67,7 @@ void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
 void ForceLoop::add_own_forces(const StepTimes& step, double* rows) {
   const PartialRows::OwnIsEnough own(impl_->attributes.partial_rows());
   Failure first = impl_->add_forces(step.time, step.dt, Part::all, rows);
-  impl_->share->join_common(rows, first);
+  impl_->share->join_common({rows, 4}, first);
   impl_->raise(first, step.time);
 }
 
@@ -159,6 +159,13 @@ void ForceLoop::Impl::find_share() {
 void ForceLoop::Impl::forget_shares() {
   others.reset();
   for (CompiledFunctor& functor : functors) functor.forget_list_without();
+}
+
+/// Functors that keep states are computed by all processes.
+bool ForceLoop::Impl::is_divided() const {
+  return share && std::ranges::any_of(functors, [](const CompiledFunctor& functor) {
+           return !functor.skipped() && !functor.has_states();
+         });
 }
 
 /// The part of a functor that this process runs.

@@ -102,7 +102,8 @@ struct ForceLoop::Impl {
   }
   template <class Chunk>
   void run_tangent(Index number, const TangentTime& at, Chunk chunk) {
-    run(number, "tangent", functors[number].cells().live(), at.time, at.dt, nullptr, chunk);
+    run(number, own_list(functors[number]), "tangent", functors[number].cells().live(), at.time,
+        at.dt, nullptr, chunk);
   }
   template <class Chunk>
   void run(Index number, const char* function, const LiveMask& live, double time, double dt,
@@ -215,6 +216,7 @@ struct ForceLoop::Impl {
   }
 
   Failure add_forces(double time, double dt, Part part, double* rows);
+  bool is_divided() const;
   const BatchList& own_list(CompiledFunctor& functor);
   void find_share();
   void forget_shares();

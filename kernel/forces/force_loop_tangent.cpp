@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <type_traits>
 #include <utility>
 
 #include "kernel/forces/force_loop_impl.hpp"
@@ -90,8 +91,10 @@ bool ForceLoop::Impl::add_single_tangent(Index number, const loops::Product<floa
   return true;
 }
 
+/// Adds those of the share, if there is one, which others then get.
 template <class Real>
 void ForceLoop::Impl::add_tangent(loops::Product<Real> product, const TangentTime& at) {
+  if (share && !others) find_share();
   for (Index i = 0; i < functors.size(); ++i) {
     if (functors[i].skipped() || add_single_tangent(i, product, at)) continue;
     const auto* extension = functors[i].extension<suture_tangent_1>(SUTURE_TANGENT_1);
@@ -101,7 +104,13 @@ void ForceLoop::Impl::add_tangent(loops::Product<Real> product, const TangentTim
         [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
             Index) { call(loops, job, worker, ranges, product); });
   }
-  raise_failures(at.time);
+  Failure first = take_failure();
+  if (is_divided()) {
+    const VertexRows rows(product.out, std::is_same_v<Real, float> ? 4 : 3);
+    share->complete(rows);
+    share->join_common(rows, first);
+  }
+  raise(first, at.time);
 }
 
 void ForceLoop::add_tangent(const float* d, double dx, double dv, const TangentTime& at,

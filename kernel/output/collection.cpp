@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/output/collection.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <fstream>
+#include <iterator>
 #include <sstream>
+
+#include "kernel/output/frame_pieces.hpp"
 
 namespace suture {
 namespace {
@@ -14,7 +19,18 @@ std::string shortest(double value) {
   return {text, end};
 }
 
+bool is_there(const std::filesystem::path& folder, const std::string& file) {
+  std::error_code ignored;
+  return std::filesystem::exists(folder / file, ignored);
+}
+
 }  // namespace
+
+std::vector<std::string> pieces_of(const std::filesystem::path& folder, const std::string& file) {
+  if (!file.ends_with(".pvtu") && !file.ends_with(".pvtp")) return {};
+  std::ifstream stream(folder / file, std::ios::binary);
+  return pieces_in(std::string(std::istreambuf_iterator<char>(stream), {}));
+}
 
 void Collection::add(double time, const std::string& file) {
   times_.push_back(time);
@@ -49,8 +65,9 @@ std::size_t Collection::leave_out_missing(const std::filesystem::path& folder) {
   std::size_t kept = 0;
   const std::size_t before = files_.size();
   for (std::size_t i = 0; i < before; ++i) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(folder / files_[i], ignored)) continue;
+    const auto is_here = [&](const std::string& file) { return is_there(folder, file); };
+    if (!is_here(files_[i]) || !std::ranges::all_of(pieces_of(folder, files_[i]), is_here))
+      continue;
     times_[kept] = times_[i];
     files_[kept++] = files_[i];
   }

@@ -2,7 +2,6 @@
 #include "kernel/output/frame_file.hpp"
 
 #include <algorithm>
-#include <span>
 #include <stdexcept>
 
 #include "kernel/base/error.hpp"
@@ -19,19 +18,6 @@ void check_field(const FrameField& field, std::size_t tuples) {
     throw std::invalid_argument("frame field '" + field.name + "' has " + std::to_string(size) +
                                 " values for " + std::to_string(tuples) + " cells");
   }
-}
-
-std::size_t cell_count(const Frame& frame) {
-  return frame.cells.empty() ? frame.hexahedra.size() + frame.tetrahedra.size()
-                             : frame.cells.size();
-}
-
-std::span<const char* const> names_of_components(const FrameField& field) {
-  static constexpr const char* tensor[] = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
-  static constexpr const char* principal[] = {"1", "2", "3"};
-  if (field.principal) return principal;
-  if (field.components == 6) return tensor;
-  return {};
 }
 
 std::vector<VtuArray> arrays_of(const std::vector<FrameField>& fields) {
@@ -90,6 +76,19 @@ struct PackedCells {
 };
 
 }  // namespace
+
+std::size_t cell_count(const Frame& frame) {
+  return frame.cells.empty() ? frame.hexahedra.size() + frame.tetrahedra.size()
+                             : frame.cells.size();
+}
+
+std::span<const char* const> names_of_components(const FrameField& field) {
+  static constexpr const char* tensor[] = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
+  static constexpr const char* principal[] = {"1", "2", "3"};
+  if (field.principal) return principal;
+  if (field.components == 6) return tensor;
+  return {};
+}
 
 void check_frame(const Frame& frame) {
   for (const FrameField& field : frame.point_fields) check_field(field, frame.points.size());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/output/frame_writer.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/output/collection.hpp"
 #include "kernel/output/frame_file.hpp"
+#include "kernel/output/frame_pieces.hpp"
 #include "kernel/output/writing_queue.hpp"
 
 namespace suture {
@@ -33,16 +35,35 @@ struct FrameWriter::Impl {
   std::size_t missing = 0;
 
   OutputFolder& folder() const { return *options.folder; }
+  bool waits() const { return options.in_pieces && folder().writers() > 1; }
 
-  std::string file_name(const Frame& frame) const {
+  std::string stem(const Frame& frame) const {
     char number[24];
     std::snprintf(number, sizeof number, "_%04llu", static_cast<unsigned long long>(frame.number));
-    return options.prefix + number + (frame.is_surface ? ".vtp" : ".vtu");
+    return options.prefix + number;
+  }
+
+  /// Each piece has a cell, so that all have the same types of arrays.
+  void write_piece(const Frame& frame, const std::string& list, const std::string& extension) {
+    const std::size_t pieces = std::clamp<std::size_t>(cell_count(frame), 1, folder().writers());
+    std::vector<std::string> files;
+    for (std::size_t i = 0; i < pieces; ++i)
+      files.push_back(stem(frame) + '_' + std::to_string(i) + extension);
+    folder().write_pieces(files, [&](OutputFile& file) {
+      Frame piece = piece_of(frame, folder().writer(), pieces);
+      write_frame(file, piece, options.compression);
+    });
+    folder().write(list, [&](OutputFile& file) { file.write(list_of_pieces(frame, files)); });
   }
 
   void write(Frame& frame) {
-    const std::string name = file_name(frame);
-    folder().write(name, [&](OutputFile& file) { write_frame(file, frame, options.compression); });
+    const std::string extension = frame.is_surface ? "vtp" : "vtu";
+    const std::string name = stem(frame) + (options.in_pieces ? ".p" : ".") + extension;
+    if (options.in_pieces)
+      write_piece(frame, name, '.' + extension);
+    else
+      folder().write(name,
+                     [&](OutputFile& file) { write_frame(file, frame, options.compression); });
     pvd.add(frame.time, name);
     folder().write(pvd_name, [&](OutputFile& file) { file.write(pvd.text()); });
   }
@@ -59,7 +80,10 @@ struct FrameWriter::Impl {
   // The files from which this run continues belong to it.
   void keep() {
     missing = pvd.leave_out_missing(folder().path());
-    for (const std::string& file : pvd.files()) folder().keep(file);
+    for (const std::string& file : pvd.files()) {
+      folder().keep(file);
+      for (const std::string& piece : pieces_of(folder().path(), file)) folder().keep(piece);
+    }
     if (!pvd.files().empty()) folder().keep(pvd_name, pvd.text());
     is_resumed = true;
   }
@@ -70,7 +94,7 @@ struct FrameWriter::Impl {
   }
 
   // The last member: its thread ends before the others do.
-  WritingQueue<Frame> queue{options.background ? options.waiting : 0,
+  WritingQueue<Frame> queue{options.background && !waits() ? options.waiting : 0,
                             [this](Frame& frame) { write(frame); },
                             [this](Frame frame) { done(std::move(frame)); }};
 };

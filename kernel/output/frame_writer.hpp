@@ -16,14 +16,17 @@ struct FrameWriterOptions {
   std::string prefix = "frame";    ///< frame_0042.vtu
   std::string collection = "run";  ///< run.pvd
   Compression compression = Compression::lz4;
-  bool background = true;   ///< write on a separate thread
+  /// Each process that makes the run writes a piece of each frame (frame_pieces.hpp),
+  /// frame_0042_1.vtu, and then process 0 frame_0042.pvtu.
+  bool in_pieces = false;
+  bool background = true;   ///< write on a separate thread, unless processes wait for each other
   std::size_t waiting = 2;  ///< frames that may wait before submit() blocks
 };
 
-/// Writes frames as `.vtu`, surfaces as `.vtp` (appended raw data), and lists them in a `.pvd`, on
-/// a separate thread while the simulation continues. A frame appears complete or not at all, and
-/// then the list is replaced: ParaView can read the files at any time, and every listed frame is
-/// complete whenever the program ends.
+/// Writes frames as `.vtu`, surfaces as `.vtp` (appended raw data), or pieces of them, and lists
+/// them in a `.pvd`, on a separate thread while the simulation continues. A frame appears complete
+/// or not at all, and then the list is replaced: ParaView can read the files at any time, and every
+/// listed frame is complete whenever the program ends.
 ///
 /// For what happens to the results of an earlier run in the folder, see OutputFolder.
 ///

@@ -21,11 +21,17 @@ constexpr std::string_view run_mark = "run ";  // before the identity of a run; 
 
 // The list may come from a stranger: a name leads nowhere, and to results only.
 bool is_result(const std::filesystem::path& name) {
-  static const std::set<std::string> extensions{".vtu", ".vtp", ".pvd", ".csv", ".h5"};
+  static const std::set<std::string> extensions{".vtu", ".vtp", ".pvtu", ".pvtp",
+                                                ".pvd", ".csv", ".h5"};
   return name == name.filename() && extensions.contains(name.extension().string());
 }
 
-bool is_list(const std::string& name) { return name.ends_with(".pvd"); }
+/// Files that name others are removed before these.
+enum class Names { frames, pieces, nothing };
+Names names_in(const std::string& name) {
+  if (name.ends_with(".pvd")) return Names::frames;
+  return name.ends_with(".pvtu") || name.ends_with(".pvtp") ? Names::pieces : Names::nothing;
+}
 
 struct flock whole_file() {
   struct flock lock {};
@@ -96,13 +102,10 @@ LockedFolders& locked_folders() {
 }  // namespace
 
 OutputFolder::OutputFolder(std::filesystem::path path, std::filesystem::path root)
-    : path_(std::move(path)), root_(std::move(root)) {}
+    : OutputFolder(std::move(path), std::move(root), {}) {}
 
-std::shared_ptr<OutputFolder> OutputFolder::silent(std::filesystem::path path) {
-  auto folder = std::make_shared<OutputFolder>(std::move(path));
-  folder->is_silent_ = true;
-  return folder;
-}
+OutputFolder::OutputFolder(std::filesystem::path path, std::filesystem::path root, Writers writers)
+    : path_(std::move(path)), root_(std::move(root)), writers_(std::move(writers)) {}
 
 OutputFolder::~OutputFolder() {
   if (own_.empty())
@@ -136,7 +139,7 @@ void OutputFolder::abandon() const noexcept {
 
 void OutputFolder::open() {
   const std::lock_guard guard(mutex_);
-  if (is_silent_ || list_ >= 0 || is_closed_) return;
+  if (is_silent() || list_ >= 0 || is_closed_) return;
   folder_.emplace(Folder::make(path_, root_));
   if (!locked_folders().add(folder_->descriptor()))
     throw IoError(path_.string() +
@@ -212,7 +215,7 @@ void OutputFolder::set_run(const std::string& run) {
 }
 
 void OutputFolder::continue_run(const std::string& earlier) {
-  if (is_silent_) return;
+  if (is_silent()) return;
   open();
   const std::lock_guard guard(mutex_);
   if (!listed_.empty() && !listed_runs_.contains(earlier))
@@ -246,7 +249,7 @@ void OutputFolder::keep(const std::string& name, std::string text) {
 }
 
 void OutputFolder::begin() {
-  if (is_silent_) return;
+  if (is_silent()) return;
   open();
   const std::lock_guard guard(mutex_);
   if (std::exchange(has_begun_, true)) return;
@@ -259,9 +262,9 @@ void OutputFolder::begin() {
 }
 
 void OutputFolder::remove_stale() {
-  for (const bool lists : {true, false})
+  for (const Names names : {Names::frames, Names::pieces, Names::nothing})
     for (const std::string& name : listed_)
-      if (is_list(name) == lists) {
+      if (names_in(name) == names) {
         if (!own_.contains(name)) folder_->remove(name);
         if (!announced_.contains(name)) folder_->remove(temporary_name(name));
       }
@@ -281,6 +284,16 @@ void OutputFolder::write_list() {
     fail_io(path_ / list_name, "written", errno);
 }
 
+/// Before others write, the folder is there, and files of earlier runs are not.
+void OutputFolder::begin_pieces(std::span<const std::string> names) {
+  if (!is_silent()) {
+    for (const std::string& name : names) announce(name);
+    begin();
+  }
+  writers_.wait();
+  if (!folder_) folder_.emplace(Folder::make(path_, root_));
+}
+
 std::unique_ptr<OutputFile> OutputFolder::grow(const std::string& name) {
   announce(name);
   begin();
@@ -294,13 +307,13 @@ std::unique_ptr<OutputFile> OutputFolder::grow(const std::string& name, std::uin
 }
 
 void OutputFolder::remove(const std::string& name) {
-  if (is_silent_) return;
+  if (is_silent()) return;
   open();
   folder_->remove(name);
 }
 
 void OutputFolder::sync() {
-  if (!is_silent_) folder_->sync();
+  if (!is_silent()) folder_->sync();
 }
 
 void OutputFolder::require_in_place() const {

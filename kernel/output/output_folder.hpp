@@ -2,11 +2,13 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 
 #include "kernel/base/file.hpp"
@@ -30,19 +32,28 @@ namespace suture {
 ///   its last word, such as by a signal or by a plugin, the file stays and says that the results
 ///   are incomplete.
 ///
-/// Any thread may call any member. They throw IoError.
+/// Several processes may make the run together. Process 0 then has the folder, and writes all
+/// files but pieces of frames: the others are silent.
+///
+/// Any thread may call any member but write_pieces(). They throw IoError.
 class OutputFolder {
  public:
   explicit OutputFolder(std::filesystem::path path, std::filesystem::path root = {});
-  /// One that is not written to: another process of the same run does that.
-  static std::shared_ptr<OutputFolder> silent(std::filesystem::path path);
+  /// The processes that make a run together.
+  struct Writers {
+    unsigned number = 1, mine = 0;
+    std::function<void()> wait = [] {};  ///< until all of them have called it
+  };
+  OutputFolder(std::filesystem::path path, std::filesystem::path root, Writers writers);
   /// Restores the original state of the folder if nothing was written.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  bool is_silent() const { return is_silent_; }
+  bool is_silent() const { return writers_.mine != 0; }
+  unsigned writers() const { return writers_.number; }
+  unsigned writer() const { return writers_.mine; }  ///< this process
   /// Creates and locks the folder, once.
   void open();
   /// To be called when the run has ended: releases the folder, to which nothing can be written any
@@ -51,12 +62,24 @@ class OutputFolder {
   /// Writes a complete file or none at all: `fill(OutputFile&)`.
   template <class Fill>
   void write(const std::string& name, Fill&& fill) {
-    if (is_silent_) return;
+    if (is_silent()) return;
     announce(name);
     AtomicFile file(*folder_, name);
     fill(file);
     begin();
     file.commit();
+  }
+  /// Writes files together: each process the one with its number, `fill(OutputFile&)`, if there is
+  /// one. All processes call it, and have written them when it returns.
+  template <class Fill>
+  void write_pieces(std::span<const std::string> names, Fill&& fill) {
+    begin_pieces(names);
+    if (writers_.mine < names.size()) {
+      AtomicFile file(*folder_, names[writers_.mine]);
+      fill(file);
+      file.commit();
+    }
+    writers_.wait();
   }
   /// A file that grows: an empty one, or an existing one, truncated to its first `kept` bytes.
   std::unique_ptr<OutputFile> grow(const std::string& name);
@@ -90,6 +113,7 @@ class OutputFolder {
   void read_list();
   void mark();
   void announce(const std::string& name);
+  void begin_pieces(std::span<const std::string> names);
   void remove_stale();
   void write_list();
 
@@ -101,7 +125,7 @@ class OutputFolder {
   bool was_unfinished_ = false, is_marked_ = false;
   bool has_begun_ = false;
   bool is_closed_ = false;
-  bool is_silent_ = false;
+  const Writers writers_;
   std::set<std::string> listed_;     ///< names in `.suture-run`
   std::set<std::string> own_;        ///< kept or announced
   std::set<std::string> announced_;  ///< by this process

@@ -46,7 +46,8 @@ class Communicator {
   /// what takes time, such as writing.
   virtual void meet_error() = 0;
   /// False if others do not meet it in time: 5 s, or a minute if meet_error() was called before, as
-  /// process 0 may still be writing what stands before the error.
+  /// process 0 may still be writing what stands before the error. May be called again: then they
+  /// have to come here again.
   virtual bool all_meet_error() = 0;
 
   /// Ends all processes at once.

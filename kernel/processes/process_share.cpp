@@ -2,6 +2,7 @@
 #include "kernel/processes/process_share.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <numeric>
 
 namespace suture {
@@ -92,25 +93,27 @@ void ProcessShare::exchange(Failure& failure) {
     failure.merge(Failure::unpacked(text));
 }
 
-void ProcessShare::complete(double* rows) {
+void ProcessShare::complete(VertexRows rows) {
+  const std::size_t width = rows.bytes / sizeof(double);
   for (unsigned p = 0; p < processes_.size(); ++p)
-    counts_[p] = static_cast<int>(4 * (own_of(p).end - own_of(p).begin));
-  processes_.complete(rows, counts_);
+    counts_[p] = static_cast<int>(width * (own_of(p).end - own_of(p).begin));
+  processes_.complete(reinterpret_cast<double*>(rows.data), counts_);
 }
 
-void ProcessShare::join_common(double* rows, Failure& failure) {
-  for (const Index v : common_[processes_.rank()]) {
-    const double* row = rows + std::size_t{v} * 4;
-    mine_.insert(mine_.end(), row, row + 3);
-  }
+void ProcessShare::join_common(VertexRows rows, Failure& failure) {
+  const std::size_t width = rows.bytes / sizeof(double);
+  const auto& own = common_[processes_.rank()];
+  mine_.resize(width * own.size());
+  for (std::size_t i = 0; i < own.size(); ++i)
+    std::memcpy(mine_.data() + i * width, rows.data + own[i] * rows.bytes, rows.bytes);
   for (unsigned p = 0; p < processes_.size(); ++p)
-    counts_[p] = static_cast<int>(3 * common_[p].size() + 1);
+    counts_[p] = static_cast<int>(width * common_[p].size() + 1);
   exchange(failure);
   const double* next = all_.data();
   for (const auto& list : common_) {
     for (const Index v : list) {
-      std::copy_n(next, 3, rows + std::size_t{v} * 4);
-      next += 3;
+      std::memcpy(rows.data + v * rows.bytes, next, rows.bytes);
+      next += width;
     }
     ++next;  // whether it has failed
   }

@@ -22,8 +22,8 @@ class ProcessShare final : public BodyShare {
   loops::Rows own() const override { return own_of(processes_.rank()); }
   Index common_begin() const override { return begins_.back(); }
   std::vector<bool> others(const CellComplex& complex) override;
-  void join_common(double* rows, Failure& failure) override;
-  void complete(double* rows) override;
+  void join_common(VertexRows rows, Failure& failure) override;
+  void complete(VertexRows rows) override;
   void read(const std::vector<bool>& vertices) override;
   std::span<const Index> borders() const override { return borders_; }
   void join_borders(std::span<double* const> columns) override;

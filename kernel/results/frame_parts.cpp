@@ -10,6 +10,7 @@ FrameWriterOptions frame_options(const OutputOptions& options,
                                  const std::shared_ptr<OutputFolder>& folder) {
   FrameWriterOptions result;
   result.folder = folder;
+  result.in_pieces = options.pieces;
   switch (options.compression) {
     case OutputOptions::Compression::off:
       result.compression = FrameWriterOptions::Compression::raw;

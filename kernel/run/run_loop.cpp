@@ -77,7 +77,7 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
 }
 
 void RunLoop::share(Communicator& processes) {
-  require_shareable(built_);
+  require_shareable(scene_);
   require_same_run(processes, scene_, checkpoint_header(built_, host_));
   built_.body().share(std::make_unique<ProcessShare>(processes));
   processes_ = &processes;
@@ -381,9 +381,10 @@ void RunLoop::resume(const Checkpoint& checkpoint, const std::filesystem::path& 
   first_step_ = clock_.step();
 }
 
-/// Writes the pending records; those of the failed step were dropped.
+/// Writes the pending records; those of the failed step were dropped. Pieces need all processes.
 void RunLoop::close_failed(Observer& observer) {
   if (processes_) processes_->meet_error();
+  if (processes_ && scene_.output.pieces && !processes_->all_meet_error()) return;
   report_events(event_report_.finish(), observer);
   recorder_.release(clock_.step());
   recorder_.finish();

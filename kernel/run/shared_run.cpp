@@ -54,13 +54,11 @@ std::pair<std::string, std::string> difference(const std::string& a, const std::
 
 }  // namespace
 
-void require_shareable(BuiltScene& built) {
-  const Scene& scene = built.scene();
-  const std::string& scheme = scene.solver.integrator;
-  if (built.dynamics().is_implicit() || scheme == "xpbd")
-    throw InputError("/solver/integrator: several processes share explicit steps only, and '" +
-                     scheme +
-                     "' is none; use \"symplectic-euler\" or \"velocity-verlet\", or one process");
+void require_shareable(const Scene& scene) {
+  if (scene.solver.budget && scene.solver.budget->seconds > 0)
+    throw InputError(
+        "/solver/budget/milliseconds: the clocks of several processes differ; give \"iterations\", "
+        "or use one process");
   if (scene.checkpoint.enabled && scene.checkpoint.minutes > 0)
     throw InputError(
         "/checkpoint/minutes: the clocks of several processes differ; give \"every\" (s of the "

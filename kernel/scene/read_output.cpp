@@ -266,8 +266,8 @@ void read_directory(ObjectReader& object, Reading& reading) {
 void read_frames(ObjectReader& object, OutputOptions& output) {
   output.frames = object.boolean("frames").value_or(true);
   if (output.frames) return;
-  for (const char* key : {"every", "every_steps", "fields", "compression", "springs", "faces",
-                          "cuts", "obstacles", "surface"})
+  for (const char* key : {"every", "every_steps", "fields", "compression", "pieces", "springs",
+                          "faces", "cuts", "obstacles", "surface"})
     if (object.find(key) != nullptr)
       object.complain(key, "is about frames, but \"frames\" is false; remove one of the two");
 }
@@ -290,6 +290,7 @@ void read_output(const JsonValue* value, Reading& reading) {
   if (const auto choice = object.choice("compression", compressions)) {
     output.compression = static_cast<OutputOptions::Compression>(*choice);
   }
+  output.pieces = object.boolean("pieces").value_or(false);
   read_tables(object, reading);
   output.springs = read_series(object, "springs", 1, "springs (functors on edges)", reading);
   output.faces = read_series(object, "faces", 2, "functors on faces", reading);

@@ -137,6 +137,7 @@ struct OutputOptions {
   std::filesystem::path root{};     ///< no link is followed below it; empty: links are followed
   bool on_request = false;          ///< the program that runs the scene may ask for any field
   bool frames = true;               ///< false: tables only
+  bool pieces = false;              ///< each process writes a piece of each frame
   double every = 0;                 ///< s between frames; 0: first and last only
   std::uint64_t every_steps = 0;    ///< instead of seconds
   std::vector<std::string> fields;  ///< "displacement", ...

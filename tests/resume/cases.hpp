@@ -34,6 +34,9 @@ std::vector<Kind> own_kinds();
 /// Bodies of some blocks of vertices, with operations and checkpoints; for several processes.
 Case divided(Random& random, unsigned index);
 
+/// A body of boxes and sheared elements that is cut, of some blocks of vertices, with this solver.
+Case solved(const std::string& name, const Json& solver);
+
 /// Frames, tables and fields of any kind.
 void add_output(Json& scene, Random& random);
 /// Writes scene.json and its files.

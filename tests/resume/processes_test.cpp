@@ -17,6 +17,8 @@
 #include <iostream>
 #include <random>
 
+#include "kernel/mesh/mesh_file.hpp"
+#include "kernel/output/collection.hpp"
 #include "tests/base/variable.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/resume/process.hpp"
@@ -151,6 +153,25 @@ TEST_F(Together, TheyDivideThePasses) {
   std::cout << runs << " runs, " << resumed << " resumed\n";
 }
 
+/// Products with the tangent are divided, and everything else is repeated.
+TEST_F(Together, TheySolveEquations) {
+  const std::vector<unsigned> numbers{2, 3, 7};
+  Random random(scenes_seed(), "solved", 0);
+  for (const Case& what :
+       {solved("static", {{"static", {{"frames", 3}}}, {"end", 0.3}}),
+        solved("newmark", {{"integrator", "newmark"}, {"dt", 0.1}, {"end", 0.3}}),
+        solved("xpbd", {{"integrator", "xpbd"}, {"dt", 0.02}, {"end", 0.3}})}) {
+    if (!is_chosen(what)) continue;
+    const unsigned processes = random.pick(numbers);
+    SCOPED_TRACE(what.name + " on " + std::to_string(processes) + " processes");
+    const fs::path at = folder_ / what.name, scene = at / "scene.json";
+    write_case(what, at);
+    EXPECT_EQ(run(what, {scene}, 0, at / "0"), 0) << said(at / "0");
+    EXPECT_EQ(run(what, {scene}, processes, at / "n"), 0) << said(at / "n");
+    EXPECT_EQ(difference(at / "0" / "out", at / "n" / "out"), "");
+  }
+}
+
 /// The beam of the tutorial, cut while it sags.
 Case cut_beam() {
   for (const Kind& kind : all_kinds()) {
@@ -158,6 +179,78 @@ Case cut_beam() {
     if (kind.name == "scene_cut-beam") return kind.make(random, 0, 1);
   }
   throw std::logic_error("no scene cut-beam");
+}
+
+/// What a frame shows in its elements, one after the other: all numbers of their corners, and their
+/// own.
+std::vector<double> elements_of(const fs::path& frame) {
+  std::vector<fs::path> files;
+  for (const std::string& piece : pieces_of(frame.parent_path(), frame.filename()))
+    files.push_back(frame.parent_path() / piece);
+  if (files.empty()) files.push_back(frame);
+  std::vector<double> numbers;
+  for (const fs::path& file : files) {
+    Diagnostics diagnostics;
+    const Mesh mesh = read_mesh(file, 1, diagnostics, all_arrays);
+    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) {
+      for (const Index v : mesh.hexahedra[e])
+        numbers.insert(numbers.end(), mesh.points[v].begin(), mesh.points[v].end());
+      for (const MeshArray& array : mesh.arrays)
+        for (const Index row : array.of_elements ? std::vector{static_cast<Index>(e)}
+                                                 : std::vector<Index>(mesh.hexahedra[e].begin(),
+                                                                      mesh.hexahedra[e].end()))
+          for (std::size_t c = 0; c < array.components; ++c)
+            numbers.push_back(array.values[row * array.components + c]);
+    }
+  }
+  return numbers;
+}
+
+TEST_F(Together, PiecesOfFramesAreThoseOfOne) {
+  Case what = cut_beam();
+  what.scene["solver"]["end"] = 0.5;
+  what.scene["output"] = {{"directory", "out"},
+                          {"every", 0.1},
+                          {"energies", Json::object()},
+                          {"fields", {"velocity", "stress", "element_id"}}};
+  what.scene["checkpoint"] = {{"every_steps", 50}};
+  const fs::path alone = folder_ / "alone", together = folder_ / "together";
+  write_case(what, alone);
+  EXPECT_EQ(run(what, {"scene.json"}, 0, alone), 0) << said(alone);
+  what.scene["output"]["pieces"] = true;
+  write_case(what, together);
+  EXPECT_EQ(run(what, {"scene.json"}, 3, together), 0) << said(together);
+  const std::string newest = newest_checkpoint(together / "out").filename();
+  const auto expect_same = [&] {
+    EXPECT_EQ(read_text(together / "out" / "energies.csv"),
+              read_text(alone / "out" / "energies.csv"));
+    std::string list = read_text(together / "out" / "run.pvd");
+    for (std::size_t at; (at = list.find(".pvtu")) != list.npos;) list.erase(at + 1, 1);
+    EXPECT_EQ(list, read_text(alone / "out" / "run.pvd"));
+    for (const char* frame : {"frame_0000", "frame_0002", "frame_0005"}) {
+      const fs::path pieces = together / "out" / (std::string(frame) + ".pvtu");
+      EXPECT_EQ(elements_of(pieces), elements_of(alone / "out" / (std::string(frame) + ".vtu")));
+    }
+  };
+  expect_same();
+  EXPECT_TRUE(fs::exists(together / "out" / "frame_0005_2.vtu"));
+  EXPECT_EQ(run(what, {"--resume", "out/" + newest}, 2, together), 0) << said(together);
+  expect_same();
+  EXPECT_FALSE(fs::exists(together / "out" / "frame_0005_2.vtu"));
+  EXPECT_TRUE(fs::exists(together / "out" / "frame_0000_2.vtu"));
+}
+
+TEST_F(Together, APieceThatCannotBeWrittenEndsAll) {
+  Case what = cut_beam();
+  what.scene["output"] = {{"directory", "out"}, {"every", 0.1}, {"pieces", true}};
+  const fs::path at = folder_ / "run";
+  write_case(what, at);
+  fs::create_directories(at / "out" / "frame_0001_1.vtu" / "in the way");
+  EXPECT_EQ(run(what, {"scene.json"}, 2, at), 6);
+  EXPECT_THAT(said(at), ::testing::HasSubstr("error: process 1 of 2: "));
+  EXPECT_THAT(said(at), ::testing::HasSubstr("frame_0001_1.vtu: cannot be"));
+  EXPECT_TRUE(fs::exists(at / "out" / "frame_0000.pvtu"));
+  EXPECT_FALSE(fs::exists(at / "out" / "frame_0001.pvtu"));
 }
 
 TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
@@ -255,12 +348,16 @@ TEST_F(Together, WhatTheyCannotShareIsNamed) {
   write_case(what, at);
   EXPECT_EQ(run(what, {at / "scene.json", "--processes", "3"}, 2, at / "three"), 3);
   EXPECT_NE(said(at / "three").find("the launcher of this run has started 2"), std::string::npos);
-  what.scene["solver"] = {{"integrator", "implicit-euler"}, {"dt", 0.01}, {"end", 1}};
+  what.scene["solver"] = {{"integrator", "implicit-euler"},
+                          {"dt", 0.01},
+                          {"end", 1},
+                          {"budget", {{"milliseconds", 5}}}};
   write_case(what, at);
   const std::string scene = (at / "scene.json").string();
-  EXPECT_EQ(run(what, {scene}, 2, at / "implicit"), 3);
-  EXPECT_NE(said(at / "implicit").find("/solver/integrator: several processes"), std::string::npos)
-      << said(at / "implicit");
+  EXPECT_EQ(run(what, {scene}, 2, at / "budget"), 3);
+  EXPECT_NE(said(at / "budget").find("/solver/budget/milliseconds: the clocks of several"),
+            std::string::npos)
+      << said(at / "budget");
 }
 
 /// The words of process 1 differ from those of process 0; returns what both say.

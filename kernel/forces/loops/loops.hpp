@@ -55,6 +55,7 @@ struct Job {
   double* force;
   double time, dt;
   suture_force_fn function;
+  uint32_t skewed_begin;       ///< no batch holds rows before and from here on
   const uint8_t* live;         ///< a bit per row, a byte per block of 8; null: all rows
   const uint32_t* rest_slots;  ///< position in `nodes` -> slot in own_rest or UINT32_MAX; or null
   const double* own_rest;      ///< rows: node n of slot s is row node_count s + n

@@ -73,7 +73,11 @@ void single_tangents_of(const Job& job, const Worker& worker, const Rows* ranges
     const auto add = [&](const auto& rows, const auto& cells) __attribute__((always_inline)) {
       loop.add(rows, cells);
     };
-    for (uint32_t i = 0; i < count; ++i) for_each_batch<N>(job, ranges[i], add);
+    for (uint32_t i = 0; i < count; ++i) {
+      const bool is_skewed = ranges[i].begin >= job.skewed_begin;
+      if (i > 0 && is_skewed && ranges[i - 1].begin < job.skewed_begin) loop.finish();
+      for_each_batch<N>(job, ranges[i], add);
+    }
     loop.finish();
   } catch (...) {
     worker.thrown(worker.data);

@@ -114,15 +114,17 @@ class MpiCommunicator final : public Communicator {
   }
 
   bool all_meet_error() override {
-    const std::chrono::seconds time(error_ == MPI_REQUEST_NULL ? 5 : 60);
+    if (is_alone_) return false;
+    const std::chrono::seconds time(error_ == MPI_REQUEST_NULL && !has_met_ ? 5 : 60);
     meet_error();
     const auto last = std::chrono::steady_clock::now() + time;
     int done = 0;
     while (MPI_Test(&error_, &done, MPI_STATUS_IGNORE), done == 0) {
-      if (std::chrono::steady_clock::now() > last) return false;
+      is_alone_ = std::chrono::steady_clock::now() > last;
+      if (is_alone_) return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    return true;
+    return has_met_ = true;
   }
 
   void abort(int code) override {
@@ -149,6 +151,7 @@ class MpiCommunicator final : public Communicator {
 
   MPI_Comm ends_ = MPI_COMM_NULL;  ///< for errors, while others may wait in another call
   MPI_Request error_ = MPI_REQUEST_NULL;
+  bool has_met_ = false, is_alone_ = false;  ///< others have, or have not met an error
   int rank_ = 0, size_ = 1;
   std::vector<int> offsets_;
   std::vector<MPI_Request> requests_;

@@ -48,7 +48,8 @@ Scene pulled(PluginHost& host, const Beam& beam, const std::string& element,
   scene.constraints.push_back(end);
   scene.solver.integrator = "static";
   scene.solver.dt = 1.0 / beam.frames_per_second;
-  scene.solver.end = options.seconds;
+  // Beyond the last frame: what a run examines at its end is part of none.
+  scene.solver.end = options.seconds + 1.0 / beam.frames_per_second;
   scene.solver.step_tolerance = options.tolerance;
   scene.solver.threads = 1;
   scene.output.enabled = false;

@@ -4,7 +4,8 @@
 
 usage: report.py FOLDER DOCS NAME...
 
-FOLDER holds NAME.json from `suture-bench NAME --json`, and the commit in NAME.commit. Each
+FOLDER holds NAME.json from `suture-bench NAME --json`, the commit in NAME.commit, and the time
+that the benchmark took in NAME.seconds. Each
 NAME becomes a section, in the order of SECTIONS; other sections stay as they are. To add a
 section, add a line there, and a plot function if tables are not enough.
 Runs with Debian's interpreter and python3-matplotlib.
@@ -197,9 +198,11 @@ def machine_text(file, machine):
     commit = file.with_suffix(".commit")
     at = commit.read_text().strip() if commit.exists() else ""
     suture = f"Suture {machine['suture']}" + (f" (commit {at})" if at else "")
+    seconds = file.with_suffix(".seconds")
+    took = [f"{seconds.read_text().strip()} s"] if seconds.exists() else []
     size = f"{machine['cores']} cores, {shown(machine['memory_GB'])} GB"
     return "*" + "; ".join([suture, f"{machine['processor']}, {size}", f"loops for {machine['isa']}",
-                            machine["compiler"], machine["system"], machine["libraries"]]) + "*\n"
+                            machine["compiler"], machine["system"], machine["libraries"], *took]) + "*\n"
 
 
 # Sections that other programs make: shape_precision.py, processes.py.

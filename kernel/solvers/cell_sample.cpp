@@ -7,9 +7,6 @@
 namespace suture {
 namespace {
 
-/// Nodes of the cells of a sample per coarse node: 8 hexahedra, 32 springs.
-constexpr Index sampled_nodes = 64;
-
 /// The coarse node with the largest share of the first and the last vertex of a cell, which are
 /// opposite each other; `none` if there is none.
 class Owner {
@@ -78,16 +75,16 @@ struct CellSample::Owners {
   }
 };
 
-CellSample::CellSample(const TangentMatrix& a, const Interpolation& p) {
+CellSample::CellSample(const TangentMatrix& a, const Interpolation& p, Index nodes_of_cells) {
   const Owners owners(a, p);
   is_chosen_.resize(owners.owner.size());
-  for (std::size_t i = 0; i < owners.functors.size(); ++i) choose(owners, i);
+  for (std::size_t i = 0; i < owners.functors.size(); ++i) choose(owners, i, nodes_of_cells);
 }
 
 /// One of every few cells of a node, at a place that changes: regular places would all be on the
 /// same side of the node.
-void CellSample::choose(const Owners& owners, std::size_t functor) {
-  const Index wanted = std::max(sampled_nodes / owners.functors[functor].nodes, Index{1});
+void CellSample::choose(const Owners& owners, std::size_t functor, Index nodes_of_cells) {
+  const Index wanted = std::max(nodes_of_cells / owners.functors[functor].nodes, Index{1});
   const std::size_t begin = owners.functors[functor].begin, end = owners.end(functor);
   std::vector<Index> cells(owners.coarse_nodes), seen(cells.size()), chosen(cells.size());
   for (std::size_t i = begin; i < end; ++i)

@@ -16,8 +16,9 @@ namespace suture {
 /// The sample follows cuts as the coarse nodes do, and depends on the cells alone.
 class CellSample {
  public:
-  /// `p`: from the coarse level to the vertices. O(cells); computes no tangents.
-  CellSample(const TangentMatrix& a, const Interpolation& p);
+  /// `p`: from the coarse level to the vertices. `nodes_of_cells`: how many nodes the cells of one
+  /// functor have together that belong to one coarse node. O(cells); computes no tangents.
+  CellSample(const TangentMatrix& a, const Interpolation& p, Index nodes_of_cells);
 
   /// Visits the matrices of the sample, with the weight of each cell: see
   /// TangentMatrix::for_each_cell.
@@ -28,7 +29,7 @@ class CellSample {
 
  private:
   struct Owners;
-  void choose(const Owners& owners, std::size_t functor);
+  void choose(const Owners& owners, std::size_t functor, Index nodes_of_cells);
 
   std::vector<bool> is_chosen_;  ///< per cell, in the order of for_some_cells()
   std::vector<float> weights_;   ///< of the chosen ones

@@ -59,6 +59,16 @@ Vec3 box_of(const Corners& corners) {
   return bounds.extent();
 }
 
+/// The spacing nearest to `edge` with which the body is a whole number of cells wide on the coarse
+/// levels, too. A layer of coarse nodes outside the body would have next to no part in it.
+double fitted(double extent, double edge) {
+  const double cells = extent / edge;
+  if (!(cells > 0 && std::isfinite(cells))) return edge;
+  double unit = 1;
+  while (cells >= 8 * unit) unit *= 2;
+  return extent / (std::max(1.0, std::round(cells / unit)) * unit);
+}
+
 bool are_on_grid(const NodeGraph& graph, const Vec3& spacing) {
   return std::ranges::all_of(graph.cell_nodes, [&](Index node) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -88,13 +98,15 @@ NodeGraph vertex_graph(const CellComplex& complex, Attributes& attributes) {
   const Vec3 box = box_of(corners_of(graph, 0));
   graph.is_grid = are_on_grid(graph, box);
   const double edge = graph.is_grid ? 0 : mean_edge(graph);
-  graph.spacing = graph.is_grid ? box : Vec3{edge, edge, edge};
+  const Vec3 extent = bounds.extent();
+  for (std::size_t c = 0; c < 3; ++c)
+    graph.spacing[c] = graph.is_grid ? box[c] : fitted(extent[c], edge);
   for (Vec3& place : graph.places)
     for (std::size_t c = 0; c < 3; ++c) {
       place[c] /= graph.spacing[c];
       if (graph.is_grid) place[c] = std::round(place[c]);
     }
-  for (std::size_t c = 0; c < 3; ++c) graph.extent[c] = bounds.extent()[c] / graph.spacing[c];
+  for (std::size_t c = 0; c < 3; ++c) graph.extent[c] = extent[c] / graph.spacing[c];
   return graph;
 }
 

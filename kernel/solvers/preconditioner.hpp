@@ -16,6 +16,7 @@ class FactoredRows;
 struct CoarseLevels {
   std::deque<MultigridLevel>* levels = nullptr;
   FactoredRows* coarsest = nullptr;  ///< analysed
+  bool on_grid = false;              ///< the vertices are points of a grid
 };
 
 /// An approximate inverse of a tangent matrix: symmetric and positive definite. It belongs to the

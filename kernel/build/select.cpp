@@ -82,19 +82,11 @@ class NearestSearch {
  public:
   explicit NearestSearch(const Selection::Nearest& wanted) : wanted_(wanted) {}
 
-  /// Looks at groups of blocks from the nearest one on, and so at the blocks of each.
+  /// Looks at large blocks from the nearest one on, and so at the smaller ones of each.
   template <class Place>
   void look(const ElementBlocks* blocks, Index count, Place place) {
     if (!blocks) return look_at(0, count, place);
-    constexpr Index size = ElementBlocks::size, per_group = ElementBlocks::group_size / size;
-    const auto group_box = [&](Index group) { return blocks->group_box(group); };
-    const auto box = [&](Index block) { return blocks->box(block); };
-    by_distance(0, blocks->groups(), group_box, [&](Index group) {
-      const Index first = group * per_group, last = std::min(first + per_group, blocks->blocks());
-      by_distance(first, last, box, [&](Index block) {
-        look_at(block * size, std::min((block + 1) * size, count), place);
-      });
-    });
+    look_in(*blocks, 0, 0, count, place);
   }
 
   std::vector<Index> found() const {
@@ -105,6 +97,19 @@ class NearestSearch {
   }
 
  private:
+  template <class Place>
+  void look_in(const ElementBlocks& blocks, std::size_t level, Index begin, Index end,
+               Place place) {
+    const Index size = ElementBlocks::sizes[level];
+    const auto box = [&](Index block) { return blocks.box(level, block); };
+    by_distance(begin / size, blocks_of(end, size), box, [&](Index block) {
+      const Index first = block * size, last = std::min(first + size, end);
+      if (level + 1 < ElementBlocks::levels)
+        look_in(blocks, level + 1, first, last, place);
+      else
+        look_at(first, last, place);
+    });
+  }
   /// Calls visit(i) from the nearest box(i) on, up to those that are too far away.
   template <class BoxOf, class Visit>
   void by_distance(Index first, Index last, BoxOf box, Visit visit) {

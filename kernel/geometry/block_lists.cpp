@@ -23,6 +23,19 @@ void BlockLists::find(const CellComplex& complex) {
   }
 }
 
+void BlockLists::gather(const BlockLists& finer) {
+  const std::size_t per_block = elements_ / finer.elements_;
+  lists_.assign(blocks_of(finer.lists_.size(), elements_ / finer.elements_), {});
+  std::vector<Index> listed;
+  for (std::size_t i = 0; i < finer.lists_.size(); ++i)
+    for (const Index small : finer.lists_[i]) {
+      const auto block = static_cast<Index>(i / per_block);
+      const Index seen = vertices_.of(finer.vertices_.first(small));
+      if (seen >= listed.size()) listed.resize(seen + std::size_t{1}, none);
+      if (std::exchange(listed[seen], block) != block) lists_[block].push_back(seen);
+    }
+}
+
 void BlockLists::add_block(Index seer, Index block) {
   std::vector<Index>& list = lists_[seer / elements_];
   if (std::ranges::find(list, block) == list.end()) list.push_back(block);
@@ -51,7 +64,9 @@ void BlockLists::follow(const CellComplex& complex, const TopologyChange& change
     for (const Dart dart : stars[i]) {
       const Index e = dart / hexahedron::darts, block = vertices_.of(stars.cells[i]);
       add_block(e, block);
-      for_each_neighbour(e, [&](Index n) { add_block(n, block); });
+      for_each_neighbour(e, [&](Index n) {
+        if (n / elements_ != e / elements_) add_block(n, block);
+      });
     }
 }
 

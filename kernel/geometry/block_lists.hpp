@@ -23,6 +23,11 @@ struct VertexBlocks {
     return vertex < first_new ? vertex / size : first_new / size + (vertex - first_new) / new_size;
   }
   Index size_at(Index vertex) const { return vertex < first_new ? size : new_size; }
+  /// The first vertex of a block.
+  Index first(Index block) const {
+    const Index large = first_new / size;
+    return block < large ? block * size : first_new + (block - large) * new_size;
+  }
   /// The number of those of `vertices`.
   Index count(Index vertices) const { return vertices == 0 ? 0 : of(vertices - 1) + 1; }
 };
@@ -39,6 +44,8 @@ class BlockLists {
 
   /// O(elements).
   void find(const CellComplex& complex);
+  /// The same from lists of smaller blocks, whose sizes divide those of these: O(their entries).
+  void gather(const BlockLists& finer);
   /// Call after an operation with the resulting `complex`. O(change).
   void follow(const CellComplex& complex, const TopologyChange& change);
 

@@ -28,12 +28,10 @@ Index large_blocks_end(const CellComplex& complex) {
 // ------------------------------------------------------------------ blocks --
 
 ElementBlocks::Boxes::Boxes(Index elements_per_block, VertexBlocks vertex_blocks,
-                            const CellComplex& complex)
+                            Index vertex_count)
     : vertices(vertex_blocks),
       lists(elements_per_block, vertex_blocks),
-      of_vertices(vertex_blocks.count(complex.count(0)), no_box) {
-  lists.find(complex);
-}
+      of_vertices(vertex_blocks.count(vertex_count), no_box) {}
 
 Box ElementBlocks::Boxes::box(Index block) const {
   Box box = no_box;
@@ -54,29 +52,40 @@ void ElementBlocks::Boxes::follow(const CellComplex& complex, const TopologyChan
   lists.follow(complex, change);
 }
 
-ElementBlocks::ElementBlocks(const CellComplex& complex, const Places& places)
-    : groups_(group_size, {vertices_read, large_blocks_end(complex)}, complex),
-      blocks_(size, {vertices_per_block, large_blocks_end(complex)}, complex) {
+ElementBlocks::ElementBlocks(const CellComplex& complex, const Places& places) {
+  constexpr std::array<Index, levels> vertices{vertices_read, 128, 32};
+  for (std::size_t level = 0; level < levels; ++level)
+    levels_.emplace_back(sizes[level], VertexBlocks{vertices[level], large_blocks_end(complex)},
+                         complex.count(0));
+  levels_.back().lists.find(complex);
+  for (std::size_t level = levels - 1; level-- > 0;)
+    levels_[level].lists.gather(levels_[level + 1].lists);
   read(0, complex.count(0), places);
 }
 
 void ElementBlocks::read(Index first, Index last, const Places& places) {
-  for (Index begin = first; begin < last; begin += groups_.vertices.size_at(begin)) {
-    const Index end = std::min(begin + groups_.vertices.size_at(begin), last);
-    Box all = no_box;
-    for (Index v = begin; v < end; v += blocks_.vertices.size_at(v)) {
-      const Box box = box_of_vertices(v, std::min(v + blocks_.vertices.size_at(v), end), places);
-      blocks_.of_vertices[blocks_.vertices.of(v)] = box;
-      include_box(all, box);
-    }
-    groups_.of_vertices[groups_.vertices.of(begin)] = all;
+  const VertexBlocks& vertices = levels_[0].vertices;
+  for (Index begin = first; begin < last; begin += vertices.size_at(begin))
+    read(0, begin, std::min(begin + vertices.size_at(begin), last), places);
+}
+
+/// One block of vertices of this level, and the smaller ones that it has.
+Box ElementBlocks::read(std::size_t level, Index first, Index last, const Places& places) {
+  Box box = no_box;
+  if (level + 1 == levels) {
+    box = box_of_vertices(first, last, places);
+  } else {
+    const Index size = levels_[level + 1].vertices.size_at(first);
+    for (Index begin = first; begin < last; begin += size)
+      include_box(box, read(level + 1, begin, std::min(begin + size, last), places));
   }
+  levels_[level].of_vertices[levels_[level].vertices.of(first)] = box;
+  return box;
 }
 
 void ElementBlocks::follow(const CellComplex& complex, const TopologyChange& change,
                            const Places& places) {
-  groups_.follow(complex, change, places);
-  blocks_.follow(complex, change, places);
+  for (Boxes& boxes : levels_) boxes.follow(complex, change, places);
 }
 
 // ---------------------------------------------------------------- searches --
@@ -84,25 +93,40 @@ void ElementBlocks::follow(const CellComplex& complex, const TopologyChange& cha
 SearchedElements::SearchedElements(const ElementBlocks* blocks, Index count,
                                    const std::function<bool(const Box&)>& may_hold)
     : count_(count) {
-  constexpr Index size = ElementBlocks::size, group_size = ElementBlocks::group_size;
-  if (!blocks) {
-    for (Index begin = 0; begin < count; begin += group_size) add(begin, group_size);
-    return;
-  }
-  const auto is_near = [&](const Box& box) { return box.low[0] <= box.high[0] && may_hold(box); };
-  slots_.assign(blocks->blocks(), none);
-  for (Index begin = 0; begin < count; begin += group_size) {
-    if (!is_near(blocks->group_box(begin / group_size))) continue;
-    for (Index e = begin; e < std::min(begin + group_size, count); e += size) {
-      if (!is_near(blocks->box(e / size))) continue;
-      slots_[e / size] = static_cast<Index>(ranges_.size()) * size;
-      add(e, size);
-    }
+  constexpr Index most = ElementBlocks::sizes[0];
+  if (blocks) {
+    sections_.assign(blocks->count(1), 0);
+    search(*blocks, 0, 0, count, may_hold);
+  } else {
+    for (Index begin = 0; begin < count; begin += most) add(begin, std::min(begin + most, count));
   }
 }
 
-void SearchedElements::add(Index begin, Index size) {
-  ranges_.push_back({begin, std::min(begin + size, count_)});
+/// Looks at the blocks of one level from `begin` on, and at smaller ones in those that are near.
+void SearchedElements::search(const ElementBlocks& blocks, std::size_t level, Index begin,
+                              Index end, const std::function<bool(const Box&)>& may_hold) {
+  const Index size = ElementBlocks::sizes[level];
+  for (Index e = begin; e < end; e += size) {
+    const Box box = blocks.box(level, e / size);
+    if (!(box.low[0] <= box.high[0] && may_hold(box))) continue;
+    const Index last = std::min(e + size, end);
+    if (level + 1 < ElementBlocks::levels)
+      search(blocks, level + 1, e, last, may_hold);
+    else
+      add(e, last);
+  }
+}
+
+/// Elements of one block of level 0.
+void SearchedElements::add(Index begin, Index end) {
+  if (!ranges_.empty() && ranges_.back().end == begin && begin % ElementBlocks::sizes[0] != 0)
+    ranges_.back().end = end;
+  else
+    ranges_.push_back({begin, end});
+  if (sections_.empty()) return;
+  std::uint32_t& near = sections_[begin / section];
+  if (near == 0) near = near_bits * near_sections_++;
+  near |= std::uint32_t{1} << begin % section / block;
 }
 
 std::array<double, 2> heights_of(const Box& box, const Vec3& point, const Vec3& n) {

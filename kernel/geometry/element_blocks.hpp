@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -13,21 +15,22 @@ namespace suture {
 
 /// Where blocks of consecutive elements are, so that a search by place looks at those nearby only:
 /// the bounding boxes of blocks of consecutive vertices, and by block of elements those in which
-/// the corners of its elements and of their neighbours are. Groups of blocks are searched first.
+/// the corners of its elements and of their neighbours are. Blocks have three sizes: a search looks
+/// at those of level 0 first, and at smaller ones in those that are near.
 ///
-///   elements  |----|----|----|----|----|----|----|----|  blocks of 256
-///             |-------------------|-------------------|  groups of 4,096
-///   vertices  |--|--|--|--|--|--|--|--|--|--|--|--|--|-  128, for blocks
-///             |-----------|-----------|-----------|----  1,024, for groups
-///             8 of those that operations have made
+///   level   elements   vertices, and 8 of those that operations have made
+///     0       2,048      1,024
+///     1         256        128
+///     2          32         32
 ///
-/// Memory: 0.5 B per vertex, and 0.5 B per element.
+/// Memory: 2 B per vertex, and 6 B per element.
 class ElementBlocks {
  public:
-  static constexpr Index size = 256, group_size = 4096;  ///< elements
-  static constexpr Index vertices_read = 1024;           ///< the unit of read()
+  static constexpr std::size_t levels = 3;
+  static constexpr std::array<Index, levels> sizes{2048, 256, 32};  ///< elements
+  static constexpr Index vertices_read = 1024;                      ///< the unit of read()
 
-  /// O(elements), about 20 ns each.
+  /// O(elements), about 100 ns each.
   ElementBlocks(const CellComplex& complex, const Places& places);
 
   /// Reads the places of vertices again; `first` is a multiple of vertices_read, and so is `last`
@@ -37,16 +40,14 @@ class ElementBlocks {
   /// that result. O(change).
   void follow(const CellComplex& complex, const TopologyChange& change, const Places& places);
 
-  Index groups() const { return groups_.count(); }
-  Index blocks() const { return blocks_.count(); }
+  Index count(std::size_t level) const { return levels_[level].count(); }
   /// The box of the corners of its elements and of their neighbours, enlarged for the rounding of
   /// centroids; empty (low > high) without elements.
-  Box group_box(Index group) const { return groups_.box(group); }
-  Box box(Index block) const { return blocks_.box(block); }
+  Box box(std::size_t level, Index block) const { return levels_[level].box(block); }
 
  private:
   struct Boxes {
-    Boxes(Index elements_per_block, VertexBlocks vertices, const CellComplex& complex);
+    Boxes(Index elements_per_block, VertexBlocks vertices, Index vertex_count);
 
     VertexBlocks vertices;
     BlockLists lists;
@@ -56,9 +57,9 @@ class ElementBlocks {
     Box box(Index block) const;
     void follow(const CellComplex& complex, const TopologyChange& change, const Places& places);
   };
+  Box read(std::size_t level, Index first, Index last, const Places& places);
 
-  static constexpr Index vertices_per_block = 128;
-  Boxes groups_, blocks_;
+  std::vector<Boxes> levels_;
 };
 
 /// Consecutive elements.
@@ -74,13 +75,15 @@ class SearchedElements {
   SearchedElements(const ElementBlocks* blocks, Index count,
                    const std::function<bool(const Box&)>& may_hold);
 
-  bool contains(Index e) const { return slots_.empty() || slots_[e / ElementBlocks::size] != none; }
+  bool contains(Index e) const {
+    return sections_.empty() || (sections_[e / section] >> (e % section / block) & 1) != 0;
+  }
   /// Where a table of slot_count() rows has the row of a searched element.
   std::size_t slot(Index e) const {
-    return slots_.empty() ? e : slots_[e / ElementBlocks::size] + e % ElementBlocks::size;
+    return sections_.empty() ? e : sections_[e / section] / near_bits * section + e % section;
   }
   std::size_t slot_count() const {
-    return slots_.empty() ? count_ : ranges_.size() * ElementBlocks::size;
+    return sections_.empty() ? count_ : std::size_t{near_sections_} * section;
   }
   /// Calls visit(element) for each, ascending.
   template <class Visit>
@@ -88,15 +91,24 @@ class SearchedElements {
     for (const auto& [begin, end] : ranges_)
       for (Index e = begin; e < end; ++e) visit(e);
   }
-  /// The same in blocks.
+  /// The same in ranges of at most those of level 0.
   std::span<const ElementRange> ranges() const { return ranges_; }
 
  private:
-  void add(Index begin, Index size);
+  /// Blocks of level 1, which have rows, and of level 2, which are searched.
+  static constexpr Index section = ElementBlocks::sizes[1], block = ElementBlocks::sizes[2];
+  static constexpr std::uint32_t near_bits = std::uint32_t{1} << section / block;
+
+  void search(const ElementBlocks& blocks, std::size_t level, Index begin, Index end,
+              const std::function<bool(const Box&)>& may_hold);
+  void add(Index begin, Index end);
 
   Index count_;
   std::vector<ElementRange> ranges_;
-  std::vector<Index> slots_;  ///< by block: of its first element, or none; empty: all are searched
+  /// By section: near_bits times its number among those with rows, plus a bit for each of its
+  /// blocks that is searched. Empty: all are searched.
+  std::vector<std::uint32_t> sections_;
+  std::uint32_t near_sections_ = 0;
 };
 
 /// The least and the largest of n . (x - point) for x in a box, enlarged for rounding.

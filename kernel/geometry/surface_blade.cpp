@@ -95,6 +95,7 @@ std::vector<Dart> SurfaceBlade::faces_cut(const CellComplex& complex, const Plac
         near.push_back(face_dart(e, f));
         links.push_back(link);
       }
+    if (links.empty()) return;
     std::vector<std::uint8_t> crossed(links.size());
     tree_->crossings(links, crossed.data());
     for (std::size_t i = 0; i < near.size(); ++i)

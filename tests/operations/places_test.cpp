@@ -145,14 +145,16 @@ TEST(ElementsAlongPath, AreThoseNearThePolyline) {
 
 TEST(ElementBlocks, AreEmptyWhereAllElementsWereRemoved) {
   Block block(grid(16, 16, 3));
-  constexpr Index size = ElementBlocks::size;
+  constexpr std::size_t level = ElementBlocks::levels - 1;
+  constexpr Index size = ElementBlocks::sizes[level];
   std::vector<Index> second(size);
   std::iota(second.begin(), second.end(), size);
   block.complex.pierce(second);
   const ElementBlocks blocks(block.complex, {block.rows.data()});
-  ASSERT_EQ(blocks.blocks(), 3u);
-  for (const Index b : {0u, 2u}) EXPECT_LT(blocks.box(b).low[0], blocks.box(b).high[0]) << b;
-  EXPECT_GT(blocks.box(1).low[0], blocks.box(1).high[0]);
+  ASSERT_EQ(blocks.count(level), 16u * 16 * 3 / size);
+  for (const Index b : {0u, 2u})
+    EXPECT_LT(blocks.box(level, b).low[0], blocks.box(level, b).high[0]) << b;
+  EXPECT_GT(blocks.box(level, 1).low[0], blocks.box(level, 1).high[0]);
 }
 
 /// A block that is bent more and more, cut, pierced and sewn, with blocks that follow.
@@ -180,6 +182,24 @@ class BentBlock : public testing::Test {
         block_.rows.push_back(block_.rows[4 * std::size_t{split.old_cell} + c]);
     for (const Merge& merge : change.merges[0]) block_.rows[4 * std::size_t{merge.kept}] += 0.1;
     blocks_->follow(block_.complex, change, {block_.rows.data()});
+  }
+  bool holds(const Box& box, Index element) const {
+    return std::ranges::all_of(block_.complex.vertices_of(element), [&](Index v) {
+      const double* x = block_.rows.data() + 4 * std::size_t{v};
+      return contains(box, {x[0], x[1], x[2]});
+    });
+  }
+  /// The first element whose corners, or those of its neighbours, are not in the box of its block.
+  Index first_outside(std::size_t level) const {
+    const CellComplex& complex = block_.complex;
+    for (Index e = 0; e < complex.element_count(); ++e) {
+      if (!complex.exists(3, e)) continue;
+      const Box box = blocks_->box(level, e / ElementBlocks::sizes[level]);
+      if (!holds(box, e)) return e;
+      for (int f = 0; f < hexahedron::faces; ++f)
+        if (const Index n = complex.neighbour(e, f); n != none && !holds(box, n)) return e;
+    }
+    return none;
   }
   /// Cuts the faces, and sews half of them again.
   void cut(const std::vector<Dart>& faces) {
@@ -221,6 +241,8 @@ TEST_F(BentBlock, IsSearchedInBlocksWithTheSameResult) {
     elements += along.size();
     cut(across);
     if (!along.empty()) follow(block_.complex.pierce(along));
+    for (std::size_t level = 0; level < ElementBlocks::levels && round % 4 == 3; ++level)
+      ASSERT_EQ(first_outside(level), none) << "level " << level << ", round " << round;
   }
   EXPECT_GT(faces, 500u);
   EXPECT_GT(elements, 100u);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "kernel/base/rows.hpp"
 #include "kernel/parts/embedding.hpp"
@@ -32,6 +33,16 @@ bool is_in(const Box& box, const Vec3& place, double margin) {
     if (place[c] < box.low[c] - slack || place[c] > box.high[c] + slack) return false;
   }
   return true;
+}
+
+/// The sides of a box beyond which a place lies, a bit each.
+std::uint8_t sides_beyond(const Box& box, const Vec3& place) {
+  unsigned sides = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const unsigned below = place[c] < box.low[c] ? 1 : 0, above = place[c] > box.high[c] ? 2 : 0;
+    sides |= (below | above) << 2 * c;
+  }
+  return static_cast<std::uint8_t>(sides);
 }
 
 double top_speed(const double* velocity, Index vertices) {
@@ -89,10 +100,16 @@ void ElementFinder::update(const Box& box, double dt, double margin) {
     searched_.low[c] -= margin;
     searched_.high[c] += margin;
   }
+  // An element is left out if all of its vertices lie beyond the same side of the box.
+  std::vector<std::uint8_t> beyond(attributes_.vertex_count());
+  for (Index v = 0; v < beyond.size(); ++v)
+    beyond[v] = sides_beyond(searched_, row(attributes_.position().rows(), v));
   near_.clear();
   for (Index e = 0; e < complex_.element_count(); ++e) {
     if (!complex_.exists(3, e)) continue;
-    if (const Box around = box_of(e); overlap(searched_, around)) near_.push_back({e, around});
+    unsigned all = ~0u;
+    for (const Index v : complex_.vertices_of(e)) all &= beyond[v];
+    if (all == 0) near_.push_back({e, box_of(e)});
   }
   make_groups();
 }

@@ -225,7 +225,8 @@ void Dynamics::constrain(const std::function<std::vector<Index>()>& change) {
     body().constraints().apply(attributes, time());
     const Kick lacking = integrator_->lacking();
     const Vec3 uniform = body().acceleration(time());
-    const std::vector<Vec3> accelerations = accelerations_at(freed);
+    ForcesAt known;
+    const std::vector<Vec3> accelerations = accelerations_at(freed, known);
     for (std::size_t i = 0; i < accelerations.size(); ++i) {
       const unsigned held = held_components(attributes, freed[i]);
       double* v = attributes.velocity().rows() + std::size_t{freed[i]} * 4;
@@ -293,11 +294,12 @@ void Dynamics::before(const ComingOperation& operation) {
     touched_.assign(operation.vertices.begin(), operation.vertices.end());
   touches_all_ = !operation.only_apart && body().constraints().has_driven();
   inertia_ = touched_inertia();
+  ForcesAt known;
   if (!operation.only_apart && ledger_.has_start()) {
     if (changes_locally(operation)) {
       removal_.emplace();
       removal_->elements = body().models().elements_around(operation.vertices);
-      removal_->before = part_at(operation.vertices);
+      removal_->before = part_at(operation.vertices, known);
       for_each_with<WorkTerm>(body().terms(), [&](const WorkTerm& term) {
         removal_->booked.push_back(term.booked_at(operation.vertices));
       });
@@ -307,17 +309,26 @@ void Dynamics::before(const ComingOperation& operation) {
   }
   changing_.clear();
   if (!integrator_->is_lagging()) return;
-  const std::vector<Vec3> accelerations = accelerations_at(operation.vertices);
+  const std::vector<Vec3> accelerations = accelerations_at(operation.vertices, known);
   for (std::size_t i = 0; i < accelerations.size(); ++i) {
     const Index v = operation.vertices[i];
     changing_.push_back({v, accelerations[i], body().attributes().mass().get(v, 0)});
   }
 }
 
+/// Computes them unless they are known.
+const std::vector<Vec3>& Dynamics::forces_at(std::span<const Index> vertices, ForcesAt& known) {
+  if (!std::ranges::equal(vertices, known.vertices)) {
+    known.forces = body().forces_at(vertices, time());
+    known.vertices.assign(vertices.begin(), vertices.end());
+  }
+  return known.forces;
+}
+
 /// By the terms, without gravity; none where a model fails, as the step will say so.
-std::vector<Vec3> Dynamics::accelerations_at(std::span<const Index> vertices) {
+std::vector<Vec3> Dynamics::accelerations_at(std::span<const Index> vertices, ForcesAt& known) {
   try {
-    std::vector<Vec3> result = body().forces_at(vertices, time());
+    std::vector<Vec3> result = forces_at(vertices, known);
     for (std::size_t i = 0; i < result.size(); ++i) {
       const double mass = body().attributes().mass().get(vertices[i], 0);
       for (double& component : result[i]) component /= mass;
@@ -332,7 +343,7 @@ std::vector<Vec3> Dynamics::accelerations_at(std::span<const Index> vertices) {
 /// velocities, but its first half belongs to the forces f before it:
 ///   e (v + g/e (f - f')/m) + g f'/m = e v + g f/m       e, g: of the first half
 /// Vertices that meet have had the sum of their forces.
-void Dynamics::kick_changed(const TopologyChange& change) {
+void Dynamics::kick_changed(const TopologyChange& change, ForcesAt& known) {
   const CellComplex& complex = body().complex();
   for (const Merge& merge : change.merges[0]) {
     const auto kept = std::ranges::lower_bound(changing_, merge.kept, {}, &Changing::vertex),
@@ -354,7 +365,7 @@ void Dynamics::kick_changed(const TopologyChange& change) {
   }
   std::vector<Index> vertices;
   for (const Changing& c : changing_) vertices.push_back(c.vertex);
-  const std::vector<Vec3> now = accelerations_at(vertices);
+  const std::vector<Vec3> now = accelerations_at(vertices, known);
   const Kick half = integrator_->lacking();
   Attributes& attributes = body().attributes();
   for (std::size_t i = 0; i < now.size(); ++i) {
@@ -364,6 +375,7 @@ void Dynamics::kick_changed(const TopologyChange& change) {
       if (!is_held(held, c))
         v[c] += half.gain / half.decay * (changing_[i].acceleration[c] - now[i][c]);
   }
+  if (body().models().reads_velocity()) known = {};  // they were those before the kicks
 }
 
 /// Whether all that the operation changes is at its vertices and in the elements around them (what
@@ -375,15 +387,15 @@ bool Dynamics::changes_locally(const ComingOperation& operation) {
 }
 
 /// At the vertices of the removal that there are; the others, which are new, follow.
-Ledger::Part Dynamics::part_at(std::span<const Index> vertices) {
-  const std::vector<Vec3> forces = body().forces_at(vertices, time());
+Ledger::Part Dynamics::part_at(std::span<const Index> vertices, ForcesAt& known) {
+  const std::vector<Vec3>& forces = forces_at(vertices, known);
   const Motion::Sums sums = motion_.sums_at(vertices, forces, integrator_->lacking());
   const double half_step = motion_.last_step() / 2;
   return {sums.kinetic, body().models().energy_around(removal_->elements, time()), sums.leapfrog,
           integrator_->is_lagging() ? half_step * sums.power : unseen_work()};
 }
 
-void Dynamics::book_removal(const TopologyChange& change) {
+void Dynamics::book_removal(const TopologyChange& change, ForcesAt& known) {
   for (const Split& copy : change.copies) removal_->elements.push_back(copy.new_cell);
   motion_.sums().resize(body().attributes().vertex_count());
   motion_.sums().forget_last();
@@ -391,7 +403,7 @@ void Dynamics::book_removal(const TopologyChange& change) {
   for_each_with<WorkTerm>(body().terms(), [&](WorkTerm& term) {
     term.shift_booked(term.booked_at(touched_) - *booked++);
   });
-  ledger_.book_jump(removal_->before, part_at(touched_));
+  ledger_.book_jump(removal_->before, part_at(touched_, known));
   removal_.reset();
 }
 
@@ -415,14 +427,15 @@ void Dynamics::follow(const CellComplex&, const TopologyChange& change) {
   motion_.thaw();
   motion_.follow(change);
   integrator_->follow(change);
-  kick_changed(change);
+  ForcesAt known;
+  kick_changed(change, known);
   follow_touched(change);
   motion_.sums().shift_inertia(touched_inertia() - inertia_);
   if (change.faces_sewn == 0 && change.removed[3].empty()) {
     motion_.sums().resize(body().attributes().vertex_count());
     motion_.sums().forget_chunks();
   } else if (removal_) {
-    book_removal(change);
+    book_removal(change, known);
   } else {
     forget_last();
     if (ledger_.has_start()) ledger_.after_jump(now());

@@ -122,11 +122,17 @@ class Dynamics : private Follower {
   Ledger::Now now();
   double unseen_work();
   void forget_last();
-  std::vector<Vec3> accelerations_at(std::span<const Index> vertices);
-  void kick_changed(const TopologyChange& change);
+  /// The forces of the terms on some vertices, which kicks and the ledger ask for in turn.
+  struct ForcesAt {
+    std::vector<Index> vertices;
+    std::vector<Vec3> forces;
+  };
+  const std::vector<Vec3>& forces_at(std::span<const Index> vertices, ForcesAt& known);
+  std::vector<Vec3> accelerations_at(std::span<const Index> vertices, ForcesAt& known);
+  void kick_changed(const TopologyChange& change, ForcesAt& known);
   bool changes_locally(const ComingOperation& operation);
-  Ledger::Part part_at(std::span<const Index> vertices);
-  void book_removal(const TopologyChange& change);
+  Ledger::Part part_at(std::span<const Index> vertices, ForcesAt& known);
+  void book_removal(const TopologyChange& change, ForcesAt& known);
   void follow_touched(const TopologyChange& change);
   double touched_inertia() const;
 

@@ -57,16 +57,15 @@ std::span<const loops::BatchRows> LocalRows::find(const CellComplex& complex,
   return in_batches(functor.dimension() == 3 ? functor.instance().skewed_begin : 0);
 }
 
-/// Cell columns are in blocks of 8 rows, so a batch has rows of one block, on one side of `border`.
+/// A batch has rows on one side of `border`. Its rows may lie in several blocks of 8: elements
+/// around a few vertices are in short rows of the mesh, so those of one block do not fill a batch.
 std::span<const loops::BatchRows> LocalRows::in_batches(Index border) {
   batches_.clear();
   for (std::size_t i = 0; i < rows_.size();) {
     loops::BatchRows& batch = batches_.emplace_back();
     batch.valid = 0;
-    const Index block = rows_[i] / SUTURE_LANES;
     const bool before = rows_[i] < border;
-    for (; i < rows_.size() && rows_[i] / SUTURE_LANES == block && (rows_[i] < border) == before;
-         ++i)
+    for (; i < rows_.size() && batch.valid < SUTURE_LANES && (rows_[i] < border) == before; ++i)
       batch.row[batch.valid++] = rows_[i];
     for (Index l = batch.valid; l < SUTURE_LANES; ++l) batch.row[l] = batch.row[batch.valid - 1];
   }

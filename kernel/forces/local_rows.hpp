@@ -19,7 +19,7 @@ class LocalRows {
   std::vector<Index> elements_around(const CellComplex& complex, std::span<const Index> vertices);
 
   /// Rows of the elements, or of their vertices, edges or faces, each once, ascending; removed
-  /// elements have none. Incomplete blocks of 8 rows give batches of fewer than 8.
+  /// elements have none. In batches of 8; the last one may have fewer.
   std::span<const loops::BatchRows> rows_of(const CellComplex& complex,
                                             const CompiledFunctor& functor,
                                             std::span<const Index> elements);

@@ -56,13 +56,15 @@ void BladePieces::find_sides() {
   for (Index e = 0; e < complex_.element_count(); ++e) {
     if (!complex_.exists(3, e)) continue;
     const Hexahedron& nodes = complex_.vertices_of(e);
-    double low = infinity, high = -infinity, sum = 0;
-    for (const Index v : nodes) {  // those that are not known count in the sum alone
+    unsigned known = 0;
+    for (const Index v : nodes) known += std::isnan(heights_[v]) ? 0u : 1u;
+    if (known == 0) continue;  // most of them, if the blade is short
+    double low = infinity, high = -infinity;
+    for (const Index v : nodes) {
       low = std::min(low, heights_[v]);
       high = std::max(high, heights_[v]);
-      sum += heights_[v];
     }
-    if (std::isnan(sum)) {  // it cannot be divided, but it may be beside one that is
+    if (known < nodes.size()) {  // it cannot be divided, but it may be beside one that is
       if (low < 0 && high > 0) leave_whole(e);
       continue;
     }

@@ -104,7 +104,7 @@ void Contact::prepare(const ContactStep& step) {
   const auto keep = [&](Index v) { row_at(forces_.data(), v) = row_at(force, v); };
   std::ranges::for_each(vertices_, keep);
   if (!edges_) return;
-  edges_->begin(obstacles_, step.time, step.end, last_dt_);
+  edges_->begin(placed_, step.end - step.time, last_dt_);
   std::ranges::for_each(edges_->vertices(), keep);
 }
 

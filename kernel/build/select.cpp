@@ -11,6 +11,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/rows.hpp"
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/geometry/centroid.hpp"
@@ -199,9 +200,20 @@ Selector::Selector(const Imported& imported, const MeshNames& names, const Colum
       point_position_(positions(names.point_ids)),
       element_position_(positions(names.element_ids)) {}
 
+/// Says where the nodes are, as selections by place see them.
 std::string Selector::bounds_text() const {
-  const auto [low, high] = box_of(rest_);
-  return box_text(frame_.in_scene(low), frame_.in_scene(high), 6) + " m";
+  Box box = no_box;
+  if (parts_.empty()) {
+    box = box_of(rest_);
+  } else {
+    const NodePlaces places = node_places(parts_, imported_.complex);
+    for (Index v = 0; v < rest_.size(); ++v)
+      if (places.is_inside[v] != 0) include(box, row(rest_.rows(), v));
+    for (const auto& [vertex, place] : places.crossings)
+      include(box,
+              place_in(imported_.complex.vertices_of(place.element), place.at, rest_.rows(), 4));
+  }
+  return box_text(frame_.in_scene(box.low), frame_.in_scene(box.high), 6) + " m";
 }
 
 Index Selector::element_with_id(std::uint64_t id) const {

@@ -104,7 +104,7 @@ void Contact::prepare(const ContactStep& step) {
   const auto keep = [&](Index v) { row_at(forces_.data(), v) = row_at(force, v); };
   std::ranges::for_each(vertices_, keep);
   if (!edges_) return;
-  edges_->begin(obstacles_, step.time, step.end, last_dt_);
+  edges_->begin(placed_, step.end - step.time, last_dt_);
   std::ranges::for_each(edges_->vertices(), keep);
 }
 
@@ -147,7 +147,7 @@ double Contact::find_closing_speed() {
   const double* velocities = attributes_.velocity().rows();
   if (pieces_ && pieces_->may_meet()) return diagonal_of(box_around(velocities, vertices_));
   if (!pairs_ || !pairs_->may_meet()) return 0;
-  points_->gather(attributes_);
+  points_->gather_velocities(attributes_);
   const double near = diagonal_of(box_around(points_->velocities(), pairs_->near_points()));
   return std::max(
       near, diagonal_of(box_around(points_->velocities(), points_->numbers())) / far_over_near);
@@ -159,6 +159,8 @@ void Contact::find_near_obstacles(const ContactStep& step) {
   pushed_.clear();
   pushes_.clear();
   point_masses_.clear();
+  near_of_points_.clear();
+  first_near_.assign(1, 0);
   const double reach = pushed * mean_edge_;
   const double margin = pieces_ || pairs_ || has_tools_ ? reach : 0;  // others push it, too
   if (points_) points_->gather(attributes_);

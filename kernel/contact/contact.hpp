@@ -229,6 +229,9 @@ class Contact final : public ContactLaw {
   Vec3 push_point(std::size_t i, double dt);
   void change_point(std::size_t i, const Vec3& by, double dt);
   double way_of_point(std::size_t i) const;
+  std::span<const Index> near_of_point(std::size_t i) const {
+    return std::span(near_of_points_).subspan(first_near_[i], first_near_[i + 1] - first_near_[i]);
+  }
   double find_closing_speed();
   Vec3 change_of(std::size_t i, const Vec3& end, const Vec3& velocity, double dt);
   void add_point(const ContactPoint& point);
@@ -269,6 +272,8 @@ class Contact final : public ContactLaw {
   std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
   std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
   std::vector<PointMass> point_masses_;       ///< of pushed_, with points, as those below
+  std::vector<Index> near_of_points_;         ///< places in near_ of the vertices of each
+  std::vector<std::size_t> first_near_;       ///< of each, in these, and their number
   std::vector<Vec3> directions_, residuals_;  ///< of the changes, m/s
   std::vector<double> seen_;           ///< what the ways of its vertices were when it was pushed, m
   std::vector<Grouped> grouped_;       ///< all of them

@@ -7,6 +7,8 @@ namespace suture {
 void Contact::add_edge(const CuttingEdges::Edge& edge) {
   if (!edges_) edges_.emplace(complex_, attributes_, mean_edge_);
   edges_->add(edge);
+  if (std::optional<Tool>& tool = tools_[edge.obstacle])
+    for (const Vec3& point : edge.points) tool->include(point);
   cuts_ = true;
 }
 

@@ -55,10 +55,14 @@ void Contact::add_point(const ContactPoint& point) {
   point_masses_.emplace_back(point, attributes_, moving_);
   near_of_vertex_.resize(attributes_.vertex_count(), none);
   for (const Index v : point.vertices) {
-    if (near_of_vertex_[v] != none) continue;
-    near_of_vertex_[v] = static_cast<Index>(near_.size());
-    add_near(v);
+    Index& place = near_of_vertex_[v];
+    if (place == none) {
+      place = static_cast<Index>(near_.size());
+      add_near(v);
+    }
+    near_of_points_.push_back(place);
   }
+  first_near_.push_back(near_of_points_.size());
 }
 
 /// Points that share no vertex, directly or through others, do not push each other: each group has
@@ -79,20 +83,17 @@ void Contact::push_points(double dt) {
 
 void Contact::group_points() {
   DisjointSets sets(near_.size());
-  const auto near_of = [&](std::size_t i, std::size_t j) {
-    return near_of_vertex_[point_masses_[i].point().vertices[j]];
-  };
+  const auto first_near = [&](std::size_t i) { return near_of_point(i).front(); };
   for (std::size_t i = 0; i < pushed_.size(); ++i)
-    for (std::size_t j = 1; j < point_masses_[i].point().vertices.size(); ++j)
-      sets.unite(near_of(i, 0), near_of(i, j));
+    for (const Index near : near_of_point(i).subspan(1)) sets.unite(first_near(i), near);
   std::vector<std::size_t> first(near_.size() + 1, 0);  // of each group, in grouped_
-  for (std::size_t i = 0; i < pushed_.size(); ++i) ++first[sets.find(near_of(i, 0)) + 1];
+  for (std::size_t i = 0; i < pushed_.size(); ++i) ++first[sets.find(first_near(i)) + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
   grouped_.resize(pushed_.size());
   const std::size_t pairs = pairs_ ? pairs_->size() : 0;
   for (std::size_t k = 0; k < pushed_.size(); ++k) {
     const std::size_t i = k < pairs ? first_pair_ + k : k - pairs;
-    const std::size_t group = sets.find(near_of(i, 0));
+    const std::size_t group = sets.find(first_near(i));
     grouped_[first[group]++] = {group, i};
   }
 }
@@ -137,9 +138,10 @@ std::array<double, 2> Contact::sweep_points(std::span<const Grouped> group, doub
   double largest = 0, size = 0;
   for (const auto [of, i] : group) {
     residuals_[i] = {};
-    if (way_of_point(i) <= seen_[i]) continue;
+    const double way = way_of_point(i);
+    if (way <= seen_[i]) continue;
     residuals_[i] = push_point(i, dt);
-    seen_[i] = way_of_point(i);
+    seen_[i] = residuals_[i] == Vec3{} ? way : way_of_point(i);
     const double squared = dot(residuals_[i], residuals_[i]);
     largest = std::max(largest, squared);
     size += point_masses_[i].mass()[0] * squared;
@@ -166,19 +168,18 @@ void Contact::change_point(std::size_t i, const Vec3& by, double dt) {
   mass.change(by, dt);
   const double impulse = norm(mass.impulse(by));
   const ContactPoint& point = mass.point();
-  for (std::size_t j = 0; j < point.vertices.size(); ++j) {
-    const Index v = point.vertices[j];
-    ways_[near_of_vertex_[v]] +=
-        dt * std::abs(point.weights[j]) * impulse / attributes_.mass().rows()[v];
-  }
+  const std::span<const Index> near = near_of_point(i);
+  for (std::size_t j = 0; j < near.size(); ++j)
+    ways_[near[j]] +=
+        dt * std::abs(point.weights[j]) * impulse / attributes_.mass().rows()[point.vertices[j]];
 }
 
 /// How far its vertices have taken a point since the sweeps began, m; at most.
 double Contact::way_of_point(std::size_t i) const {
   const ContactPoint& point = point_masses_[i].point();
+  const std::span<const Index> near = near_of_point(i);
   double way = 0;
-  for (std::size_t j = 0; j < point.vertices.size(); ++j)
-    way += std::abs(point.weights[j]) * ways_[near_of_vertex_[point.vertices[j]]];
+  for (std::size_t j = 0; j < near.size(); ++j) way += std::abs(point.weights[j]) * ways_[near[j]];
   return way;
 }
 

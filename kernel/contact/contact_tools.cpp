@@ -45,7 +45,7 @@ void Contact::release(const ContactStep& step) {
   if (pieces_) find_touching_pieces(step);
   if (!edges_) return;
   find_at_edges();
-  edges_->release();
+  edges_->release(placed_);
 }
 
 /// visit(i, push) for what an obstacle pushes, by place in pushed_.
@@ -71,20 +71,29 @@ Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
   Tool::Impulse answer;
   const Pose& end = tools_[obstacle]->end();
   const Vec3 centre = plus(end.centre, end.translation);
+  const auto add = [&](const Vec3& place, const Vec3& impulse) {
+    answer.linear = plus(answer.linear, impulse);
+    answer.angular = plus(answer.angular, cross(minus(place, centre), impulse));
+  };
   for_each_pushed_by(obstacle, [&](std::size_t i, const Push& push) {
     const Vec3 change = plus(push.normal, push.tangential), mass = mass_of(i);
     const Vec3 impulse{-mass[0] * change[0], -mass[1] * change[1], -mass[2] * change[2]};
-    answer.linear = plus(answer.linear, impulse);
-    answer.angular = plus(answer.angular, cross(minus(place_of(i), centre), impulse));
+    add(place_of(i), impulse);
   });
+  if (!edges_) return answer;
+  for (const CuttingEdges::Grip& grip : edges_->grips())
+    if (edges_->obstacle(grip) == obstacle && grip.change != Vec3{})
+      add(grip.mass.point().sum(attributes_.position().rows()), scaled(-1, grip.impulse()));
   return answer;
 }
 
 std::vector<Tool::Pushed> Contact::pushed_by(std::size_t obstacle) const {
   std::vector<Tool::Pushed> pushed;
   for_each_pushed_by(obstacle, [&](std::size_t i, const Push& push) {
-    pushed.push_back({place_of(i), mass_of(i)[0], push, obstacles_[obstacle].friction});
+    pushed.push_back(
+        {place_of(i), mass_of(i)[0], Tool::response(push, obstacles_[obstacle].friction)});
   });
+  if (edges_) edges_->add_pushed_by(obstacle, pushed);
   return pushed;
 }
 

@@ -71,9 +71,9 @@ void CuttingEdges::add(const Edge& edge) {
 
 // ------------------------------------------------------------------ where they are --
 
-void CuttingEdges::begin(std::span<const Obstacle> obstacles, double time, double end,
-                         double last) {
-  place(obstacles, time, end);
+void CuttingEdges::begin(std::span<const PlacedObstacle> obstacles, double dt, double last) {
+  dt_ = dt;
+  place(obstacles);
   Box box = no_box;
   for (const Sample& sample : samples_) include(box, sample.start);
   finder_.update(box, last, collected * edge_);
@@ -98,18 +98,13 @@ void CuttingEdges::begin(std::span<const Obstacle> obstacles, double time, doubl
   sort_unique(moved_);
 }
 
-void CuttingEdges::place(std::span<const Obstacle> obstacles, double time, double end) {
-  Pose from, to;
-  for (std::size_t s = 0; s < samples_.size(); ++s) {
-    Sample& sample = samples_[s];
-    if (s == 0 || sample.obstacle != samples_[s - 1].obstacle) {
-      from = obstacles[sample.obstacle].motion.pose(time);
-      to = obstacles[sample.obstacle].motion.pose(end);
-    }
+void CuttingEdges::place(std::span<const PlacedObstacle> obstacles) {
+  for (Sample& sample : samples_) {
+    const Pose &from = obstacles[sample.obstacle].start(), &to = obstacles[sample.obstacle].end();
     sample.start = from.place(sample.given);
     sample.end = to.place(sample.given);
     sample.tangent = to.direction(sample.given_tangent);
-    sample.velocity = scaled(1 / (end - time), minus(sample.end, sample.start));
+    sample.velocity = scaled(1 / dt_, minus(sample.end, sample.start));
   }
 }
 
@@ -314,8 +309,58 @@ double CuttingEdges::sweep(double dt) {
   return largest;
 }
 
-void CuttingEdges::release() {
-  for (Grip& grip : grips_) grip.change = {};
+void CuttingEdges::release(std::span<const PlacedObstacle> obstacles) {
+  place(obstacles);
+  for (Grip& grip : grips_) {
+    grip.tangent = samples_[grip.sample].tangent;
+    grip.change = {};
+  }
+}
+
+/// Below its limit, an edge takes the tissue along.
+bool CuttingEdges::holds(const Grip& grip) const {
+  return grip.change != Vec3{} && norm(grip.impulse()) < (1 - rounding) * grip.limit;
+}
+
+/// Samples share the nodes of their elements. With s_i, how far all that hold move the tissue at
+/// one of them if each changes its velocity by 1, and t and u along the edge and its push,
+///   holds: (1 - t t^T) / s_i,   s_i = sum_n w_in / m_n sum_j w_jn m_j
+///   cuts:  |dv| / (|g| / h + |dv|) (1 - t t^T - u u^T)
+/// The first is exact where all change equally.
+void CuttingEdges::add_pushed_by(std::size_t obstacle, std::vector<Tool::Pushed>& pushed) const {
+  const auto for_each_node = [&](const Grip& grip, auto visit) {
+    const ContactPoint& point = grip.mass.point();
+    for (std::size_t n = 0; n < point.vertices.size(); ++n) {
+      const auto at = std::ranges::lower_bound(moved_, point.vertices[n]) - moved_.begin();
+      visit(std::size_t(at), point.weights[n]);
+    }
+  };
+  std::vector<double> moved(moved_.size());
+  for (const Grip& grip : grips_)
+    if (holds(grip))
+      for_each_node(grip, [&](std::size_t n, double w) { moved[n] += w * grip.mass.mass()[0]; });
+  const double* mass = attributes_.mass().rows();
+  for (const Grip& grip : grips_) {
+    if (grip.change == Vec3{} || this->obstacle(grip) != obstacle) continue;
+    double factor = 0;
+    std::array<Vec3, 3> response = no_rotation;
+    const auto remove = [&](const Vec3& unit) {
+      for (std::size_t c = 0; c < 3; ++c) response[c] = minus(response[c], scaled(unit[c], unit));
+    };
+    remove(grip.tangent);
+    if (holds(grip)) {
+      for_each_node(grip,
+                    [&](std::size_t n, double w) { factor += w * moved[n] / mass[moved_[n]]; });
+      factor = 1 / factor;
+    } else {
+      const double change = norm(grip.change);
+      remove(scaled(1 / change, grip.change));
+      factor = change / (norm(gap(grip)) / dt_ + change);
+    }
+    for (Vec3& row : response) row = scaled(factor, row);
+    pushed.push_back(
+        {grip.mass.point().sum(attributes_.position().rows()), grip.mass.mass()[0], response});
+  }
 }
 
 void CuttingEdges::finish() {

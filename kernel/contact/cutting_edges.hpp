@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "kernel/contact/element_finder.hpp"
+#include "kernel/contact/placed_obstacle.hpp"
 #include "kernel/contact/surface_points.hpp"
-#include "kernel/geometry/obstacle.hpp"
+#include "kernel/contact/tool.hpp"
 
 // A blade that meets a force
 // ==========================
@@ -64,17 +65,20 @@ class CuttingEdges {
 
   // ---- a step, in this order ----
 
-  /// Before the forces are cleared: finds where the edges are. `last`: the length of the step
-  /// before, s.
-  void begin(std::span<const Obstacle> obstacles, double time, double end, double last);
+  /// Before the forces are cleared: finds where the edges are. `dt` and `last`: the lengths of
+  /// this step and of the one before, s.
+  void begin(std::span<const PlacedObstacle> obstacles, double dt, double last);
   /// The vertices that they may push in this step, each once.
   std::span<const Index> vertices() const { return moved_; }
   /// After the step without contact: decides what resists. `gain`: of an impulse, s.
   void engage(double gain);
   /// Pushes once with each sample; returns the largest change of a velocity, m/s.
   double sweep(double dt);
-  /// Takes all pushes back, as something has put the vertices back.
-  void release();
+  /// Compliant obstacles end the step elsewhere. Takes all pushes back, as something has put the
+  /// vertices back.
+  void release(std::span<const PlacedObstacle> obstacles);
+  /// Adds what the edges of a compliant obstacle push (tool.hpp).
+  void add_pushed_by(std::size_t obstacle, std::vector<Tool::Pushed>& pushed) const;
   /// After the last sweep: how far each sample has advanced.
   void finish();
 
@@ -134,7 +138,7 @@ class CuttingEdges {
     auto operator<=>(const Passed&) const = default;
   };
 
-  void place(std::span<const Obstacle> obstacles, double time, double end);
+  void place(std::span<const PlacedObstacle> obstacles);
   void find_elements(std::size_t sample);
   bool is_between_lips(std::size_t sample, Index element, Vec3& at) const;
   void add_weights(const Elements& elements, const std::vector<Vec3>& at);
@@ -146,6 +150,7 @@ class CuttingEdges {
   bool has_material(const Sample& sample, Index element, const Vec3& at) const;
   double toughness(std::size_t sample) const;
   Vec3 gap(const Grip& grip) const;
+  bool holds(const Grip& grip) const;
   std::uint8_t open_sides(Index element) const;
 
   const CellComplex& complex_;
@@ -170,6 +175,7 @@ class CuttingEdges {
   std::vector<std::size_t> gripping_;  ///< samples
   std::vector<Grip> grips_;
   std::vector<Index> moved_;
+  double dt_ = 0;
 };
 
 }  // namespace suture

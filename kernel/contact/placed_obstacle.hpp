@@ -44,6 +44,8 @@ class PlacedObstacle {
       : PlacedObstacle(obstacle, thickness, obstacle.motion.pose(start),
                        obstacle.motion.pose(end)) {}
   void move_end(const Pose& end);
+  const Pose& start() const { return start_; }
+  const Pose& end() const { return end_; }
 
   /// False if a place is farther than `margin` from touching at the end of the step.
   bool may_touch(const Vec3& place, double margin) const {

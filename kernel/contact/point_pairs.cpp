@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 #include "kernel/base/rows.hpp"
 #include "kernel/base/vec3.hpp"
@@ -20,13 +22,9 @@ void PointPairs::find(const LiveMask* moving) {
   vertices_.clear();
   weights_.clear();
   if (!may_meet_) return;
-  find_normals();
-  for (auto first = near_.begin(); first != near_.end();) {
-    const auto last = std::find_if(first, near_.end(),
-                                   [&](const Near& near) { return near.vertex != first->vertex; });
-    add_nearest({first, last}, moving);
-    first = last;
-  }
+  ++step_;
+  for (std::size_t i = 0; i + 1 < first_of_point_.size(); ++i)
+    add_nearest(first_of_point_[i], first_of_point_[i + 1], moving);
   for (const Pair& pair : pairs_) {
     near_points_.push_back(pair.point);
     const auto& corners = points_.triangles()[pair.triangle];
@@ -43,17 +41,33 @@ void PointPairs::find_pieces() {
     for (const Index p : points_.triangles()[t])
       piece_of_[p] = islands.of(points_.triangle_element(t));
   may_meet_ = options_.self || islands.existing() > 1 || points_.has_lips();
+  if (may_meet_) find_triangles_at_points();
 }
 
-Vec3 PointPairs::place(Index point) const { return row(points_.positions(), point); }
+void PointPairs::find_triangles_at_points() {
+  first_at_.assign(points_.size() + 1, 0);
+  for (const auto& corners : points_.triangles())
+    for (const Index p : corners) ++first_at_[p + 1];
+  std::partial_sum(first_at_.begin(), first_at_.end(), first_at_.begin());
+  at_.resize(3 * points_.triangles().size());
+  std::vector<Index> next = first_at_;
+  for (Index t = 0; t < points_.triangles().size(); ++t)
+    for (const Index p : points_.triangles()[t]) at_[next[p]++] = t;
+}
 
-bool PointPairs::has_moved() const {
-  const double limit = edge_ * skin / 2;
+/// Since the last search; notes how far since the last call.
+bool PointPairs::has_moved() {
+  double since_search = 0, since_last = 0;
   for (Index p = 0; p < searched_at_.size(); ++p) {
-    const Vec3 way = minus(place(p), searched_at_[p]);
-    if (dot(way, way) > limit * limit) return true;
+    const Vec3 here = place(p), way = minus(here, searched_at_[p]),
+               step = minus(here, last_place_[p]);
+    since_search = std::max(since_search, dot(way, way));
+    since_last = std::max(since_last, dot(step, step));
+    last_place_[p] = here;
   }
-  return false;
+  way_ += std::sqrt(since_last);
+  const double limit = edge_ * skin / 2;
+  return since_search > limit * limit;
 }
 
 void PointPairs::find_near() {
@@ -75,22 +89,15 @@ void PointPairs::find_near() {
       if (may_touch(p, t)) near.push_back({p, t});
   }
   near_ = sorted_once(near, points_.size());
-  find_around_near();
-}
-
-/// The normals of near points need all triangles around them, and pairs those of near triangles:
-/// all that find_normals() visits in a step.
-void PointPairs::find_around_near() {
-  is_near_.assign(points_.size(), 0);
-  std::vector<std::uint8_t> is_around(points_.triangles().size(), 0);
-  for (const auto& [point, triangle] : near_) is_near_[point] = is_around[triangle] = 1;
-  around_near_.clear();
-  for (Index t = 0; t < is_around.size(); ++t) {
-    const auto& corners = points_.triangles()[t];
-    if (is_around[t] != 0 ||
-        std::ranges::any_of(corners, [&](Index p) { return is_near_[p] != 0; }))
-      around_near_.push_back(t);
-  }
+  first_of_point_.clear();
+  for (std::size_t i = 0; i < near_.size(); ++i)
+    if (i == 0 || near_[i].vertex != near_[i - 1].vertex) first_of_point_.push_back(i);
+  first_of_point_.push_back(near_.size());
+  last_place_ = searched_at_;
+  way_ = 0;
+  apart_until_.assign(near_.size(), 0);
+  planes_.assign(points_.triangles().size(), {});
+  step_ = 0;
 }
 
 /// Within a piece, lips touch lips, and not what was behind them at rest, where only material is in
@@ -111,43 +118,59 @@ bool PointPairs::may_touch(Index point, Index triangle) const {
 
 // -------------------------------------------------------------------- in a step --
 
-void PointPairs::find_normals() {
-  planes_.resize(points_.triangles().size());
-  normals_.resize(points_.size());
-  for (const Near& near : near_) normals_[near.vertex] = {};
-  for (const Index t : around_near_) {
-    const auto& corners = points_.triangles()[t];
-    const Vec3 at = place(corners[0]);
-    const Vec3 area = cross(minus(place(corners[1]), at), minus(place(corners[2]), at));
-    const double size = norm(area);
-    const Vec3 normal = size > 0 ? scaled(1 / size, area) : Vec3{};
-    planes_[t] = {normal, dot(normal, at)};
-    for (const Index p : corners)
-      if (is_near_[p] != 0) normals_[p] = plus(normals_[p], area);
-  }
+/// That of this step.
+const PointPairs::Plane& PointPairs::plane(Index triangle) {
+  Plane& plane = planes_[triangle];
+  if (plane.step == step_) return plane;
+  const auto& [a, b, c] = points_.triangles()[triangle];
+  const Vec3 at = place(a), area = cross(minus(place(b), at), minus(place(c), at));
+  const double size = norm(area);
+  const Vec3 normal = size > 0 ? scaled(1 / size, area) : Vec3{};
+  plane = {normal, area, dot(normal, at), step_};
+  return plane;
 }
 
-/// The nearest triangle that looks at the point. Lips that have just been made have the same places
-/// on both sides.
-void PointPairs::add_nearest(std::span<const Near> of_point, const LiveMask* moving) {
-  const Index p = of_point.front().vertex;
+/// Not of unit length.
+Vec3 PointPairs::normal_at(Index point) {
+  Vec3 normal{};
+  for (Index i = first_at_[point]; i < first_at_[point + 1]; ++i)
+    normal = plus(normal, plane(at_[i]).area);
+  return normal;
+}
+
+/// The nearest triangle that looks at the point, of a stretch of near_. Lips that have just been
+/// made have the same places on both sides.
+void PointPairs::add_nearest(std::size_t first_near, std::size_t last_near,
+                             const LiveMask* moving) {
+  const Index p = near_[first_near].vertex;
   const Vec3 at = place(p);
-  const double same = same_side * norm(normals_[p]);
-  double least = max_depth_ * edge_;
+  const double depth = max_depth_ * edge_;
+  double least = depth;
   Index nearest = none;
   Vec3 weights{}, towards{};
-  for (const auto& [point, triangle] : of_point) {
-    const auto& [normal, offset_of_plane] = planes_[triangle];
-    const double gap = dot(at, normal) - offset_of_plane;  // no point of it is nearer
-    if (gap > margin * edge_ || std::abs(gap) >= least) continue;
-    if (normal == Vec3{} || dot(normals_[p], normal) > same) continue;
+  std::optional<Vec3> own_normal;
+  for (std::size_t i = first_near; i < last_near; ++i) {
+    if (way_ < apart_until_[i]) continue;
+    const Index triangle = near_[i].face;
+    const auto& [normal, area, offset_of_plane, step] = plane(triangle);
     const auto& [a, b, c] = points_.triangles()[triangle];
+    const double gap = dot(at, normal) - offset_of_plane;  // no point of it is nearer
+    // Point and triangle may each come nearer by the way of the fastest.
+    const auto is_apart = [&](double distance) {
+      if (distance > depth) apart_until_[i] = way_ + 0.499 * (distance - depth);
+      return distance > depth;
+    };
+    if (is_apart(std::abs(gap))) continue;
     const Weights of = nearest_in(place(a), place(b), place(c), at);
     const Vec3 foot =
         plus(scaled(of.a, place(a)), plus(scaled(of.b, place(b)), scaled(of.c, place(c))));
     const Vec3 offset = minus(at, foot);
     const double distance = norm(offset);
-    if (distance >= least || norm(minus(offset, scaled(gap, normal))) > beside * edge_) continue;
+    if (is_apart(distance) || distance >= least || gap > margin * edge_ || normal == Vec3{})
+      continue;
+    if (norm(minus(offset, scaled(gap, normal))) > beside * edge_) continue;
+    if (!own_normal) own_normal = normal_at(p);
+    if (dot(*own_normal, normal) > same_side * norm(*own_normal)) continue;
     least = distance;
     nearest = triangle;
     weights = {of.a, of.b, of.c};

@@ -20,6 +20,9 @@
 // act on all of them, conserve momentum, and the sweeps over points (contact_points.cpp) take pairs
 // like points: n . (p - x) must not be negative at the end of the step, and Coulomb's law holds for
 // sliding.
+//
+// Most points and triangles that a search finds near each other are too far apart to touch. Where
+// they are d apart, they are not looked at again before the fastest points have moved by d / 2.
 
 namespace suture {
 
@@ -37,7 +40,10 @@ class PointPairs {
         edge_(edge) {}
 
   /// How deep a point may be behind a triangle if it touches it, in edges; 0.1 at first.
-  void set_depth(double depth) { max_depth_ = depth; }
+  void set_depth(double depth) {
+    max_depth_ = depth;
+    apart_until_.assign(apart_until_.size(), 0);
+  }
   /// Call after an operation, and after loading a state.
   void follow() { is_stale_ = true; }
   /// False if there is one piece without lips that does not touch itself; after find().
@@ -96,19 +102,21 @@ class PointPairs {
     double lever;  ///< half the sum of the magnitudes of its weights; 1 without common vertices
   };
   void find_pieces();
-  bool has_moved() const;
+  void find_triangles_at_points();
+  bool has_moved();
   void find_near();
-  void find_around_near();
   bool may_touch(Index point, Index triangle) const;
-  void find_normals();
   /// That of a triangle.
   struct Plane {
-    Vec3 normal;    ///< of unit length; 0 of a triangle without an area
-    double offset;  ///< of the plane from the origin, along the normal, m
+    Vec3 normal, area;  ///< of unit length; 0 of a triangle without an area
+    double offset;      ///< of the plane from the origin, along the normal, m
+    Index step = 0;     ///< in which all this is known
   };
-  void add_nearest(std::span<const Near> of_point, const LiveMask* moving);
+  const Plane& plane(Index triangle);
+  Vec3 normal_at(Index point);
+  void add_nearest(std::size_t first, std::size_t last, const LiveMask* moving);
   void add(Index point, double weight);
-  Vec3 place(Index point) const;
+  Vec3 place(Index point) const { return row(points_.positions(), point); }
   Vec3 rest(Index point) const { return points_[point].sum(attributes_.rest().rows()); }
 
   const CellComplex& complex_;
@@ -119,15 +127,19 @@ class PointPairs {
   double max_depth_ = 0.1;
   bool is_stale_ = true, may_meet_ = false;
   // Since the last operation.
-  std::vector<Index> piece_of_;  ///< by point
+  std::vector<Index> piece_of_;       ///< by point
+  std::vector<Index> first_at_, at_;  ///< triangles at each point, ascending
   // From the last search:
-  std::vector<Vec3> searched_at_;      ///< by point
-  std::vector<Near> near_;             ///< ascending
-  std::vector<std::uint8_t> is_near_;  ///< by point: of those
-  std::vector<Index> around_near_;     ///< triangles of those, or at their points; ascending
-  // In the step, of those that are near each other:
+  std::vector<Vec3> searched_at_;            ///< by point
+  std::vector<Near> near_;                   ///< ascending
+  std::vector<std::size_t> first_of_point_;  ///< in near_, and its size
+  /// Most of near_ is too far apart to touch, each of them until way_ is this.
+  std::vector<double> apart_until_;
+  // From step to step:
+  std::vector<Vec3> last_place_;  ///< by point
+  double way_ = 0;                ///< of the fastest points since the search, at most, m
+  Index step_ = 0;
   std::vector<Plane> planes_;  ///< by triangle
-  std::vector<Vec3> normals_;  ///< by point; not of unit length
   std::vector<Pair> pairs_;
   std::vector<Index> near_points_;
   std::vector<Index> vertices_;

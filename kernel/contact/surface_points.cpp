@@ -59,12 +59,17 @@ std::vector<Index> SurfacePoints::ascending_vertices() const {
 
 void SurfacePoints::gather(Attributes& attributes) {
   positions_.resize(4 * std::size_t{size()});
-  velocities_.resize(positions_.size());
-  const double *x = attributes.position().rows(), *v = attributes.velocity().rows();
-  for (Index p = 0; p < points_.size(); ++p) {
+  const double* x = attributes.position().rows();
+  for (Index p = 0; p < points_.size(); ++p)
     std::ranges::copy((*this)[p].sum(x), positions_.begin() + std::ptrdiff_t{4} * p);
+  gather_velocities(attributes);
+}
+
+void SurfacePoints::gather_velocities(Attributes& attributes) {
+  velocities_.resize(4 * std::size_t{size()});
+  const double* v = attributes.velocity().rows();
+  for (Index p = 0; p < points_.size(); ++p)
     std::ranges::copy((*this)[p].sum(v), velocities_.begin() + std::ptrdiff_t{4} * p);
-  }
 }
 
 bool ContactPoint::is_held(const double* held) const {
@@ -81,6 +86,7 @@ PointMass::PointMass(const ContactPoint& point, Attributes& attributes, const Li
     const Index v = point.vertices[i];
     const double inverse = point.weights[i] * point.weights[i] / mass[v];
     const unsigned held = held_components(v);
+    is_held_somewhere_ = is_held_somewhere_ || held != 0;
     all += inverse;
     for (unsigned c = 0; c < 3; ++c)
       if ((held >> c & 1) == 0) free[c] += inverse;
@@ -98,7 +104,7 @@ void PointMass::change(const Vec3& velocity, double dt) const {
     const double share = point_.weights[i] / mass[v];
     double* x = attributes_->position().rows() + 4 * std::size_t{v};
     double* u = attributes_->velocity().rows() + 4 * std::size_t{v};
-    const unsigned held = held_components(v);
+    const unsigned held = is_held_somewhere_ ? held_components(v) : 0;
     for (unsigned c = 0; c < 3; ++c) {
       if ((held >> c & 1) != 0) continue;
       const double by = share * mass_[c] * velocity[c];

@@ -66,6 +66,7 @@ class SurfacePoints {
   std::span<const Index> numbers() const { return numbers_; }
   /// Makes positions() and velocities() those of the vertices now: rows of 4.
   void gather(Attributes& attributes);
+  void gather_velocities(Attributes& attributes);
   const double* positions() const { return positions_.data(); }
   const double* velocities() const { return velocities_.data(); }
 
@@ -112,6 +113,7 @@ class PointMass {
   const LiveMask* moving_;
   Vec3 mass_{};
   unsigned fixed_ = 0;
+  bool is_held_somewhere_ = false;  ///< a vertex in a component
 };
 
 }  // namespace suture

@@ -2,6 +2,7 @@
 #include "kernel/contact/tool.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 
 #include "kernel/base/rows.hpp"
@@ -16,6 +17,11 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 Vector3d eigen(const Vec3& a) { return {a[0], a[1], a[2]}; }
 Vec3 vec3(const Vector3d& a) { return {a[0], a[1], a[2]}; }
+Matrix3d matrix(const std::array<Vec3, 3>& rows) {
+  Matrix3d m;
+  m << eigen(rows[0]).transpose(), eigen(rows[1]).transpose(), eigen(rows[2]).transpose();
+  return m;
+}
 
 /// The matrix of r x.
 Matrix3d cross_matrix(const Vec3& r) {
@@ -27,7 +33,7 @@ Matrix3d cross_matrix(const Vec3& r) {
 /// How the change of velocity of a vertex, s n + t with t = -u min(1, mu s / |u|), follows that of
 /// the place of the tool that pushes it; u is the sliding of the vertex.
 ///   sticks: 1,   slides: n n^T - mu u^ n^T + mu s / |u| (1 - n n^T - u^ u^T)
-Matrix3d response(const Push& push, double friction) {
+Matrix3d response_of(const Push& push, double friction) {
   const Vector3d n = eigen(push.normal).normalized();
   const Matrix3d normal = n * n.transpose();
   if (!(friction > 0)) return normal;
@@ -44,16 +50,25 @@ Matrix6d added_inertia(const Tool::Pushed& pushed, const Vec3& centre) {
   Eigen::Matrix<double, 3, 6> g;
   g.leftCols<3>().setIdentity();
   g.rightCols<3>() = -cross_matrix(minus(pushed.place, centre));
-  return pushed.mass * g.transpose() * response(pushed.push, pushed.friction) * g;
+  return pushed.mass * g.transpose() * matrix(pushed.response) * g;
 }
 
 }  // namespace
+
+std::array<Vec3, 3> Tool::response(const Push& push, double friction) {
+  const Matrix3d m = response_of(push, friction);
+  return {vec3(m.row(0)), vec3(m.row(1)), vec3(m.row(2))};
+}
 
 Tool::Tool(const Obstacle& obstacle)
     : coupling_(*obstacle.coupling),
       reach_(obstacle.reach()),
       pose_(obstacle.motion.pose(0)),
       end_(pose_) {}
+
+void Tool::include(const Vec3& given) {
+  reach_ = std::max(reach_, norm(minus(given, pose_.centre)));
+}
 
 void Tool::begin(const RigidPath& hand, double time, double end, double dt, double gain) {
   dt_ = dt;

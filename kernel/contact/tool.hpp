@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <span>
 
 #include "kernel/base/archive.hpp"
@@ -25,7 +26,8 @@
 // lighter than they are. Newton's method uses the exact derivative of each push, sliding or
 // sticking, until the tool moves by less than 1e-9 of an edge. A step that leads further away is
 // cut to a quarter. Every iteration repeats the pushes of the vertices near obstacles: about six
-// per step while in contact.
+// per step while in contact. What resists the edge of a blade that the tool carries is found in
+// the same iterations (cutting_edges.hpp); its derivative is nearly exact.
 //
 // Where pieces touch each other as well, tool and vertices agree to 0.001 of an edge. For a tool
 // of 1/37,000 of the mass of a node, the iteration may end before both agree. The tool then keeps
@@ -48,13 +50,16 @@ namespace suture {
 /// step of the vertices, and calls improve(), until both agree.
 class Tool {
  public:
-  /// A vertex that the tool pushes.
+  /// A place of the body that the tool pushes.
   struct Pushed {
     Vec3 place;  ///< m
     double mass;
-    Push push;
-    double friction;
+    /// How the change of its velocity follows that of the place of the tool which pushes it, by
+    /// rows.
+    std::array<Vec3, 3> response;
   };
+  /// That of a vertex on the surface of the tool, which sticks or slides.
+  static std::array<Vec3, 3> response(const Push& push, double friction);
   /// On the tool, N s, and about its centre where the step ends, N m s.
   struct Impulse {
     Vec3 linear{}, angular{};
@@ -62,6 +67,8 @@ class Tool {
 
   /// At rest where the path begins.
   explicit Tool(const Obstacle& obstacle);
+  /// It has a point, beside its shape as given.
+  void include(const Vec3& given);
 
   /// Begins a step; end() is that without contact.
   void begin(const RigidPath& hand, double time, double end, double dt, double gain);

@@ -97,16 +97,21 @@ void OrientedSurface::find_fault(const std::vector<Side>& sides) {
   };
   const auto complain = [&](const Side& side, const std::string& what) {
     const Triangle& t = surface_.triangles[side.triangle];
-    fault_ = what + " the edge from " + text(surface_.points[t[side.number]]) + " to " +
-             text(surface_.points[t[(side.number + 1) % 3]]) + " m";
+    fault_ = {what, surface_.points[t[side.number]], surface_.points[t[(side.number + 1) % 3]]};
   };
-  for (std::size_t i = 0; i + 1 < sides.size() && fault_.empty(); ++i) {
+  for (std::size_t i = 0; i + 1 < sides.size() && fault_.what.empty(); ++i) {
     if (sides[i + 1].edge != sides[i].edge) continue;
     if (i + 2 < sides.size() && sides[i + 2].edge == sides[i].edge)
       complain(sides[i], "three triangles share");
     else if (from(sides[i]) == from(sides[i + 1]))
       complain(sides[i], "triangles with different sides up share");
   }
+}
+
+std::string OrientedSurface::fault(const Vec3& origin) const {
+  if (fault_.what.empty()) return {};
+  return fault_.what + " the edge from " + text(plus(origin, fault_.from)) + " to " +
+         text(plus(origin, fault_.to)) + " m";
 }
 
 OrientedSurface::Foot OrientedSurface::foot_in(Index triangle, const Vec3& place) const {

@@ -49,8 +49,8 @@ class OrientedSurface {
   static Nearest distance(const Foot& foot, const Vec3& place, double rounding);
 
   /// Why the sides cannot be told apart: "three triangles share the edge from (..) to (..) m"; ""
-  /// if they can.
-  const std::string& fault() const { return fault_; }
+  /// if they can. `origin`: what its points are relative to.
+  std::string fault(const Vec3& origin = {}) const;
 
  private:
   struct Side;
@@ -66,7 +66,11 @@ class OrientedSurface {
   std::vector<std::array<bool, 3>> is_border_edge_;
   std::vector<bool> is_border_vertex_;
   std::unique_ptr<SurfaceTree> tree_;
-  std::string fault_;
+  struct Fault {
+    std::string what;  ///< "": none
+    Vec3 from, to;     ///< the ends of the edge
+  };
+  Fault fault_;
 };
 
 }  // namespace suture

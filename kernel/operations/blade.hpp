@@ -46,8 +46,8 @@ class PlaneBlade final : public Blade {
 class SurfacePatch final : public Blade {
  public:
   /// Equal points are merged. `longest_edge` of the elements, m, if it is known. Throws InputError
-  /// if its two sides cannot be told apart.
-  explicit SurfacePatch(TriangleSurface surface, double longest_edge = 0);
+  /// if its two sides cannot be told apart; `origin`: that of the body, for the message.
+  explicit SurfacePatch(TriangleSurface surface, double longest_edge = 0, const Vec3& origin = {});
   const TriangleSurface& surface() const { return surface_.surface(); }
   /// O(vertices), and 1 us for each near the blade.
   std::vector<double> heights(const CellComplex& complex, const double* rows,

@@ -43,7 +43,7 @@ EventRunner::State EventRunner::prepare(const Event& event, bool is_applied) {
       for (Vec3& p : surface.points)
         for (std::size_t c = 0; c < 3; ++c) p[c] += cut->translation[c];
       if (cut->along_blade)
-        state.patch = std::make_unique<SurfacePatch>(std::move(surface));
+        state.patch = std::make_unique<SurfacePatch>(std::move(surface), 0, built_.frame().origin);
       else
         state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);
     } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {

@@ -138,7 +138,6 @@ void refuse_resistance(ObjectReader& blade, const CutBlade& cut, const Scene& sc
     return refuse(
         "is a force on a tool: let an obstacle carry the blade ({\"obstacle\": ...} instead of "
         "\"path\"), so that it appears in tools.csv");
-  const std::size_t obstacle = cut.carried->obstacle;
   if (is_implicit(solver.integrator))
     refuse("needs explicit steps; use \"symplectic-euler\" or \"velocity-verlet\" instead of '" +
            solver.integrator + "'");
@@ -146,9 +145,6 @@ void refuse_resistance(ObjectReader& blade, const CutBlade& cut, const Scene& sc
     refuse("acts by impulses, which \"law\": \"penalty\" in /contact excludes; remove one of them");
   if (solver.sleep_acceleration > 0)
     refuse("does not wake what sleeps; remove \"sleep\" in /solver");
-  if (obstacle < scene.contact.obstacles.size() && scene.contact.obstacles[obstacle].coupling)
-    refuse("is not passed on to the hand of a compliant tool; remove the \"coupling\" of '" +
-           cut.carried->name + "'");
 }
 
 void read_resistance(ObjectReader& blade, CutBlade& cut, const Scene& scene) {

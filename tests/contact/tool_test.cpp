@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -154,6 +155,55 @@ TEST(Tool, TheHandFeelsTheForceOfContact) {
   EXPECT_NEAR(felt[2], 5e4 * (shift(pressed.tool())[2] + 0.1), 1e-3 * load[2]);
 }
 
+/// A blade beside the ball, in the middle of the block; 500 J/m^2.
+constexpr double edge_toughness = 500;
+CuttingEdges::Edge edge_in_the_block() {
+  return {0, {{0.3, 0.5, 0.45}, {0.7, 0.5, 0.55}}, std::vector<double>(27, edge_toughness)};
+}
+
+// By itself, and beside the push of the ball. The edge takes the tissue along, and then cuts.
+TEST_P(ToolSchemes, WhatResistsABladeIsPartOfTheReaction) {
+  for (const bool pushes : {false, true}) {
+    Obstacle obstacle = presser();
+    obstacle.pushes = pushes;
+    Pressed pressed(obstacle, GetParam());
+    pressed.contact.add_edge(edge_in_the_block());
+    const double dt = 0.5 * pressed.stable_step(), length = std::hypot(0.4, 0.1);
+    pressed.run(dt, 1);  // a first kick may be shorter
+    double largest = 0, torque = 0;
+    int holding = 0, cutting = 0;
+    for (int i = 0; i < 400; ++i) {
+      const Vec3 before = pressed.tool().velocity(), spin = pressed.tool().spin();
+      const double taken = -*pressed.contact.cutting_work();
+      pressed.run(dt, 1);
+      const Tool& tool = pressed.tool();
+      const Contact::Load& load = pressed.contact.loads()[0];
+      Vec3 vertices{};
+      for (const Contact::Touch& touch : pressed.contact.touches())
+        vertices = plus(vertices, touch.force);
+      const double scale = 1 + norm(load.force) + norm(tool.hand_force());
+      const Vec3 change = scaled(20 / dt, minus(tool.velocity(), before));
+      const Vec3 turning = scaled(0.5 / dt, minus(tool.spin(), spin));
+      for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_NEAR(vertices[c], -load.force[c], 1e-12 * scale);
+        EXPECT_NEAR(change[c], load.force[c] - tool.hand_force()[c], 1e-10 * scale);
+        EXPECT_NEAR(turning[c], load.torque[c] - tool.hand_torque()[c], 1e-10 * scale);
+      }
+      largest = std::max(largest, norm(load.force));
+      torque = std::max(torque, norm(load.torque));
+      const bool cuts = -*pressed.contact.cutting_work() > taken + 1e-9;
+      (cuts ? cutting : holding) += norm(load.force) > 1;
+    }
+    EXPECT_GT(holding, 5) << pushes;
+    EXPECT_GT(cutting, 5) << pushes;
+    EXPECT_GT(torque, 5) << pushes;
+    if (pushes)
+      EXPECT_GT(largest, 1.2 * edge_toughness * length);
+    else
+      EXPECT_NEAR(largest, edge_toughness * length, 0.05 * edge_toughness * length);
+  }
+}
+
 double energy(Pressed& pressed, const Coupling& c, const Obstacle& obstacle) {
   const Tool& tool = pressed.tool();
   const Energies body = energies(pressed.dynamics);
@@ -167,13 +217,16 @@ double energy(Pressed& pressed, const Coupling& c, const Obstacle& obstacle) {
 
 // The nodes weigh up to 37 kg: much more than the light tools, which a scheme that exchanges forces
 // once per step would throw back faster than they came.
-TEST(Tool, IsPassiveForAnyMassAndStiffness) {
-  for (const double mass : {0.1, 1., 1e3})
+// With a blade, a tool is not lighter than a quarter of a node.
+void expect_passive(bool has_blade) {
+  for (const double mass : has_blade ? std::array{10., 100., 1e3} : std::array{0.1, 1., 1e3})
     for (const double stiffness : {1e1, 1e5, 1e9}) {
       Obstacle obstacle = presser();
       obstacle.motion.stations = {{0, {0, 0, 0.02}, 0}, {0.01, {0.01, 0, -0.05}, 0}};
       obstacle.coupling = Coupling{mass, stiffness, 0, 0.03 * mass, 0.1 * stiffness, 0};
+      obstacle.pushes = !has_blade;
       Pressed pressed(obstacle);
+      if (has_blade) pressed.contact.add_edge(edge_in_the_block());
       const double dt = 0.3 * pressed.stable_step();
       pressed.run(dt, static_cast<int>(0.01 / dt) + 2);  // the hand has stopped
       const double start = energy(pressed, *obstacle.coupling, obstacle);
@@ -187,6 +240,8 @@ TEST(Tool, IsPassiveForAnyMassAndStiffness) {
       }
     }
 }
+TEST(Tool, IsPassiveForAnyMassAndStiffness) { expect_passive(false); }
+TEST(Tool, IsPassiveWithABladeThatIsResisted) { expect_passive(true); }
 
 TEST(Tool, IsThrownBackByABodyThatComesFaster) {
   Obstacle tool = ball({{0, {}, 0}});

@@ -138,6 +138,20 @@ TEST(BladeScene, TrianglesDivideAsPlanesDo) {
   EXPECT_GT(lips, 2 * 2 * 4);
 }
 
+// The body lies at 2 m along x; what is wrong is where the scene says it is.
+TEST(BladeScene, SaysWhereABladeHasNoTwoSides) {
+  Scene scene = bar();
+  CutSurface cut;
+  cut.along_blade = true;
+  TriangleSurface fan;
+  fan.points = {{6, 0, 0}, {6, 1, 0}, {6, 0, 1}, {7, 0, 1}, {5, 0, 1}};
+  for (const Index i : {2, 3, 4}) fan.triangles.push_back({0, 1, i});
+  cut.surface = std::make_shared<const TriangleSurface>(fan);
+  scene.events[0].what = cut;
+  EXPECT_THAT(error_of<InputError>([&] { Built built(scene); }),
+              HasSubstr("three triangles share the edge from (6, 0, 0) to (6, 1, 0) m"));
+}
+
 TEST(BladeScene, SelectionsByNumberFindCopies) {
   Built bar_of(bar());
   const Selector& selector = bar_of.built.selector();

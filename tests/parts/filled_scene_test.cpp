@@ -134,10 +134,19 @@ TEST(FilledScene, NodesAreSelectedWhereTheirMaterialIs) {
   }
   EXPECT_GT(outside, 10u);
   // No material is near there, though nodes are.
-  EXPECT_NE(error_of<InputError>([&] {
-              ball_of.nodes(Selection::Sphere{{3 + 1.1, 0, 0}, 0.09});
-            }).find("/here: the selection contains no node"),
-            std::string::npos);
+  const std::string error = error_of<InputError>([&] {
+    ball_of.nodes(Selection::Sphere{{3 + 1.1, 0, 0}, 0.09});
+  });
+  const std::string start = "/here: the selection contains no node; the nodes lie in ";
+  ASSERT_EQ(error.find(start), 0u) << error;
+  Vec3 low, high;
+  ASSERT_EQ(std::sscanf(error.c_str() + start.size(), "[%lf, %lf, %lf] to [%lf, %lf, %lf] m",
+                        &low[0], &low[1], &low[2], &high[0], &high[1], &high[2]),
+            6);
+  for (std::size_t a = 0; a < 3; ++a) {
+    EXPECT_NEAR(high[a] - low[a], 2 * radius, 0.1);
+    EXPECT_LT(high[a] - low[a], 2 * radius + 1e-4) << "not those outside of the material";
+  }
   // The nearest node is one of the material.
   const std::vector<Index> nearest = ball_of.nodes(Selection::Nearest{{3 + 1.5, 0, 0}});
   ASSERT_EQ(nearest.size(), 1u);

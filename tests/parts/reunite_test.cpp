@@ -85,6 +85,7 @@ TEST(Reunite, LeavesPartsThatAreNotWanted) {
     ASSERT_NO_FATAL_FAILURE(expect_valid(box));
     ASSERT_NEAR(box.volume(), 64, 64e-12);
     const Embedding& embedding = box.parts.embedding(box.complex);
+    ASSERT_NO_FATAL_FAILURE(expect_closed(embedding));
     EXPECT_NEAR(surface_volume(box, embedding), 64, 64e-12);
   }
 }

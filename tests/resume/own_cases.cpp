@@ -164,6 +164,9 @@ Case along(Random& random, unsigned, std::uint64_t) {
            {"along", "blade"}}}});
     if (!scene["solver"].contains("sleep") && random.chance(0.5))
       scene["events"].back()["cut"]["blade"]["resistance"] = {{"toughness", random.between(1, 50)}};
+    if (random.chance(0.5))
+      scene["contact"]["obstacles"].back()["coupling"] = {{"mass", random.decades(0.1, 100)},
+                                                          {"stiffness", random.decades(1e3, 1e5)}};
   }
   add_output(scene, random);
   scene["output"]["surface"] = random.chance(0.5);

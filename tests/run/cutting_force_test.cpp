@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "kernel/base/error.hpp"
 #include "kernel/forces/contact_law.hpp"
@@ -47,7 +48,8 @@ class CuttingForce : public testing::Test {
   CutBlade& blade() { return std::get<CutBlade>(scene.events[0].what); }
   RigidPath& motion() { return scene.contact.obstacles[0].motion; }
 
-  /// To the end, with the force that drives the handle along x in each step.
+  /// To the end, with the force that drives the handle along x in each step. That of a compliant
+  /// one drives it by its hand.
   void run() {
     Diagnostics diagnostics;
     simulation = std::make_unique<Simulation>(scene, host(), diagnostics);
@@ -60,7 +62,10 @@ class CuttingForce : public testing::Test {
       time = simulation->time();
       if (dt == 0) continue;
       const Pose now = motion().pose(time), before = motion().pose(time - dt);
-      forces.push_back(-simulation->contact()->loads()[0].force[0]);
+      const auto tool = simulation->contact()->tool_state(0);
+      if (tool) lag = now.translation[0] - tool->pose.translation[0];
+      lags.push_back(lag);
+      forces.push_back(tool ? -tool->hand_force[0] : -simulation->contact()->loads()[0].force[0]);
       work += forces.back() * (now.translation[0] - before.translation[0]);
     }
     const RunSummary summary = simulation->run(nobody);
@@ -86,7 +91,9 @@ class CuttingForce : public testing::Test {
   Scene scene = beam(host(), "tm-faure", 1, 1, 0, {{"E", 1e5}});
   std::unique_ptr<Simulation> simulation;
   std::vector<double> forces;  // N
-  double work = 0;             // J, of the hand
+  std::vector<double> lags;    // of a compliant handle, m
+  double lag = 0;
+  double work = 0;  // J, of the hand
   std::uint64_t cut = 0, divided = 0;
   EnergyBalance energies;
 };
@@ -223,10 +230,63 @@ TEST_F(CuttingForceAlongTheBlade, TakesWhatThePartsHave) {
   EXPECT_NEAR(taken(), toughness * 0.8 * width, 0.02 * toughness * 0.8 * width);
 }
 
+// A handle of 0.5 kg on springs of 60 N / 0.02 m and more: it lags behind the hand by F / k, and
+// the hand feels and gives what cutting takes.
+class CuttingForceOnASpring : public CuttingForce {
+ protected:
+  static constexpr double mass = 0.5;  // kg
+  void couple(double stiffness) {
+    constexpr double inertia = 1;
+    const double turning = 100 * stiffness;  // the edge is 2.8 m below the handle
+    scene.contact.obstacles[0].coupling =
+        Coupling{mass,    stiffness, 2 * std::sqrt(mass * stiffness),
+                 inertia, turning,   2 * std::sqrt(inertia * turning)};
+    scene.contact.obstacles[0].motion.centre = {0, 0.2, 3};
+    forces.clear();
+    lags.clear();
+    work = 0;
+    run();
+  }
+  double force() const { return mean(forces); }
+  /// Takes the steps in which the edge is far from where it enters and leaves.
+  static double mean(const std::vector<double>& values) {
+    const auto first = values.begin() + std::ptrdiff_t(values.size() * 2 / 5);
+    const auto last = values.begin() + std::ptrdiff_t(values.size() * 3 / 5);
+    return std::accumulate(first, last, 0.0) / static_cast<double>(last - first);
+  }
+};
+
+TEST_F(CuttingForceOnASpring, StretchesIt) {
+  for (const double stiffness : {3e3, 3e4}) {
+    couple(stiffness);
+    EXPECT_EQ(cut, 16u * 4);
+    EXPECT_NEAR(taken(), toughness * 0.16, 0.01 * toughness * 0.16) << stiffness;
+    EXPECT_NEAR(force(), toughness * 0.2, 0.01 * toughness * 0.2) << stiffness;
+    EXPECT_NEAR(mean(lags), toughness * 0.2 / stiffness, 0.01 * toughness * 0.2 / stiffness);
+    // The hand starts at 1 m/s at once; the spring is stretched and released.
+    const double start = mass, stored = std::pow(toughness * 0.2, 2) / stiffness;
+    EXPECT_GT(work, energies.work("contact") + 0.9 * start);
+    EXPECT_LT(work, energies.work("contact") + 2 * (start + stored));
+  }
+}
+
+TEST_F(CuttingForceOnASpring, IsThatOfItsPathIfTheSpringIsStiff) {
+  scene.solver.end = 0.6;
+  run();
+  const double prescribed = taken(), driven = work;
+  const std::vector<double> with_path = forces;
+  couple(1e9);
+  EXPECT_NEAR(taken(), prescribed, 1e-3 * prescribed);
+  EXPECT_NEAR(work, driven + mass, 1e-3 * driven) << "m v^2, of a hand that starts at 1 m/s";
+  EXPECT_NEAR(mean(forces), mean(with_path), 1e-3 * mean(forces));
+  EXPECT_LT(mean(lags), 1e-6);
+}
+
 TEST_F(CuttingForce, HasTheSameBitsForAnyNumberOfThreads) {
   scene.solver.end = 0.4;
   for (const bool along : {false, true}) {
     blade().along_blade = along;
+    if (along) scene.contact.obstacles[0].coupling = Coupling{0.5, 3e4, 200, 1, 3e6, 3e3};
     std::vector<double> first;
     for (const unsigned threads : thread_counts()) {
       scene.solver.threads = threads;

@@ -322,7 +322,6 @@ INSTANTIATE_TEST_SUITE_P(
                       "'regions' is missing"},
         BadResistance{R"({"toughness": 1, "stress": 1})", "", ends, "/stress", "\"thickness\""},
         BadResistance{R"({"toughness": 1, "thickness": 1})", "", ends, "/thickness", "\"stress\""},
-        BadResistance{good, R"(, "coupling": {"mass": 1, "stiffness": 1})", ends, "", "compliant"},
         BadResistance{good, "", R"("integrator": "implicit-euler", "dt": 0.1, "end": 1)", "",
                       "explicit steps"},
         BadResistance{good, R"(}], "law": "penalty", "obstacles": [{"name": "knife",

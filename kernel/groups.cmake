@@ -22,9 +22,6 @@ if(SUTURE_PRECOMPILES)
   target_precompile_headers(suture_kernel PRIVATE ${common_headers})
 endif()
 if(NOT SUTURE_SANITIZER)
-  if(SUTURE_PRECOMPILES)
-    target_precompile_headers(suture_model_check REUSE_FROM suture_kernel)
-  endif()
   return()
 endif()
 
@@ -48,6 +45,6 @@ target_compile_definitions(suture_unhurried PRIVATE ${definitions})
 target_compile_options(suture_unhurried PRIVATE -O0)
 if(SUTURE_PRECOMPILES)
   target_precompile_headers(suture_unhurried PRIVATE ${common_headers})
-  target_precompile_headers(suture_model_check REUSE_FROM suture_unhurried)  # -O0, too
+  target_precompile_headers(suture_model_check REUSE_FROM suture_unhurried)  # -O0, too. g++ would want the same definitions
 endif()
 target_sources(suture_kernel PRIVATE $<TARGET_OBJECTS:suture_unhurried>)

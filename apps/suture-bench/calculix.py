@@ -11,7 +11,7 @@ import pathlib
 import shutil
 import tempfile
 
-from harness import run_process
+import harness
 from solid_mesh import SolidMesh, cross, dot, with_slit
 
 ELEMENTS = ("C3D8", "C3D8I", "C3D20", "C3D20R")
@@ -25,7 +25,7 @@ class Run:
     probe: tuple  # the field of the scene's first probe; seven digits
 
 
-class Failure(Exception):
+class Failure(harness.Failure):
     """What ccx did not solve."""
 
 
@@ -198,7 +198,7 @@ def run(scene, mesh, element, solver="SPOOLES", precise=False):
         folder = pathlib.Path(name)
         with open(folder / "job.inp", "w", encoding="ascii") as deck:
             deck.writelines(line + "\n" for line in deck_lines(scene, cut, solid, probe, element, solver, precise))
-        use = run_process(["ccx", "-i", "job"], folder)
+        use = harness.run_process(["ccx", "-i", "job"], folder)
         if use.code != 0:
             raise Failure(f"ccx failed on {len(solid.elements)} {element}: exit code {use.code}")
         rows = rows_of(folder / "job.dat")

@@ -9,11 +9,29 @@ import math
 import os
 import pathlib
 import resource
+import signal
 import subprocess
+import sys
 import tempfile
 import time
 
 UNKNOWN = math.nan  # in a report: no figure
+
+
+class Failure(Exception):
+    """Ends a script with its text, without a traceback."""
+
+
+def run_script(main):
+    """Runs a script. Where the user can do something, it ends with one message; one that is stopped leaves neither
+    processes nor files behind."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    try:
+        main()
+    except (Failure, OSError) as error:
+        sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {error}")
+    except KeyboardInterrupt:
+        sys.exit(128 + signal.SIGINT)
 
 
 @dataclasses.dataclass
@@ -25,12 +43,18 @@ class ProcessUse:
     code: int  # exit code; 128 + n if signal n ended it
 
 
-def run_process(words, folder, output=subprocess.DEVNULL):
-    """Runs a program in a folder, silently unless its output goes to a file."""
+def run_process(words, folder, log=os.devnull):
+    """Runs a program in a folder; what it prints goes to the file `log`."""
     begin = time.monotonic()
-    child = subprocess.Popen([str(w) for w in words], cwd=folder, stdin=subprocess.DEVNULL,
-                             stdout=output, stderr=output)
-    _, status, used = os.wait4(child.pid, 0)
+    with open(log, "wb") as output:
+        child = subprocess.Popen([str(w) for w in words], cwd=folder, stdin=subprocess.DEVNULL,
+                                 stdout=output, stderr=output)
+    try:
+        _, status, used = os.wait4(child.pid, 0)
+    except BaseException:  # the script is stopped
+        child.kill()
+        child.wait()
+        raise
     code = os.waitstatus_to_exitcode(status)
     child.returncode = code  # so that Popen does not wait for it again
     own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -42,13 +66,15 @@ def run_process(words, folder, output=subprocess.DEVNULL):
 UNFIT = (2, 3, 4, 6)  # exit codes of `suture run`: the command, the scene, a plugin or a file is not as it should be
 
 
-def run_scene(programs, scene, folder, name="out"):
-    """Runs `suture run` on a scene, whose results are in the folder `name` below `folder`. Raises RuntimeError if the
-    scene cannot be run at all."""
+def run_scene(programs, scene, folder, name="out", level="-q"):
+    """Runs `suture run` on a scene. Its results are in the folder `name` below `folder`, unless the scene wants none;
+    what it prints is in `name`.log. Raises Failure if the scene cannot be run at all."""
     (folder / f"{name}.json").write_text(json.dumps(scene))
-    use = run_process([programs / "suture", "run", "-q", f"{name}.json", "--output", name], folder)
+    log = folder / f"{name}.log"
+    results = ["--output", name] if scene.get("output") is not False else []
+    use = run_process([programs / "suture", "run", level, f"{name}.json", *results], folder, log)
     if use.code in UNFIT:
-        raise RuntimeError(f"{programs / 'suture'} cannot run a scene of this benchmark: exit code {use.code}")
+        raise Failure(f"a scene of this benchmark cannot be run (exit code {use.code}): {log.read_text().strip()}")
     return use
 
 
@@ -67,19 +93,45 @@ def written(value):
     return value if isinstance(value, str) else f"{value:.4g}"
 
 
+def folder_of_programs(text):
+    folder = pathlib.Path(text).resolve()
+    for name in ("suture", "suture-bench"):
+        if not (folder / name).is_file():
+            raise argparse.ArgumentTypeError(f"there is no program {name} in {folder}")
+    return folder
+
+
+def file_to_write(text):
+    """Its folder is there before a run of hours begins."""
+    file = pathlib.Path(text)
+    if not file.absolute().parent.is_dir():
+        raise argparse.ArgumentTypeError(f"there is no folder {file.parent}")
+    return file
+
+
+def positive(text):
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not positive")
+    return number
+
+
 def option_parser(description):
     """Of a script: where the programs are, and --json."""
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("programs", type=lambda p: pathlib.Path(p).resolve(), help="Folder of suture and suture-bench")
-    parser.add_argument("--json", type=pathlib.Path, help="Write the figures to this file as well")
+    parser.add_argument("programs", type=folder_of_programs, help="Folder of suture and suture-bench")
+    parser.add_argument("--json", type=file_to_write, help="Write the figures to this file as well")
     return parser
 
 
 def from_suture_bench(programs, *words):
-    """The figures that suture-bench makes itself, as it writes them; it prints them, too."""
+    """The figures that suture-bench makes itself, as it writes them; it prints them, too. Ends the script as it ends
+    if it fails: it has said why."""
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder) / "figures.json"
-        subprocess.run([programs / "suture-bench", *words, "--json", file], check=True)
+        code = subprocess.run([programs / "suture-bench", *words, "--json", file], check=False).returncode
+        if code != 0:
+            sys.exit(code if code > 0 else 128 - code)
         return json.loads(file.read_text())
 
 

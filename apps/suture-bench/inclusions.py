@@ -9,13 +9,12 @@ block has one hole and two inclusions that its mesh follows; here a regular grid
 
     inclusions.py path/to/programs [--json FILE]
 """
-import json
 import pathlib
 import random
 import re
 import tempfile
 
-from harness import UNKNOWN, Report, option_parser, run_process
+from harness import UNKNOWN, Failure, Report, option_parser, positive, run_scene, run_script
 from work_cases import Cells, Method, box_scene, held
 
 YOUNG = 2 * 1.3 * 0.4225e6  # of the matrix, Pa; nu 0.3
@@ -64,16 +63,14 @@ def block(across, jump, seed):
 def solve(options, across, jump):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        (folder / "block.json").write_text(json.dumps(block(across, jump, options.seed)))
-        with open(folder / "log", "w", encoding="utf-8") as log:
-            use = run_process([options.programs / "suture", "run", "-v", "block.json"], folder, log)
-        text = (folder / "log").read_text(encoding="utf-8")
+        use = run_scene(options.programs, block(across, jump, options.seed), folder, "block", "-v")
+        text = (folder / "block.log").read_text()
     # Newton's iterations on the grid itself; those on coarser ones name no linear iterations.
     krylov = [int(n) for n in re.findall(r"Newton iteration .* (\d+) linear iterations", text)]
     if use.code != 0:
-        raise RuntimeError(f"no equilibrium of {across}^3 elements with a jump of {jump}: exit code {use.code}")
+        raise Failure(f"no equilibrium of {across}^3 elements with a jump of {jump}: exit code {use.code}")
     if not krylov:
-        raise RuntimeError("suture run -v names no iterations of Newton's method with their linear iterations")
+        raise Failure("suture run -v names no iterations of Newton's method with their linear iterations")
     unknowns = 3 * (across + 1) ** 3
     is_published = jump == 100
     return {"jump": jump, "elements": across**3, "unknowns": unknowns, "seconds": use.cpu,
@@ -85,8 +82,8 @@ def solve(options, across, jump):
 
 def read_options():
     parser = option_parser(__doc__)
-    parser.add_argument("--across", nargs="+", type=int, default=[32, 54], help="Elements along each edge of the cube")
-    parser.add_argument("--jumps", nargs="+", type=int, default=[1, 100, 10000],
+    parser.add_argument("--across", nargs="+", type=positive, default=[32, 54], help="Elements along each edge of the cube")
+    parser.add_argument("--jumps", nargs="+", type=positive, default=[1, 100, 10000],
                         help="Moduli of the balls over that of the matrix")
     parser.add_argument("--seed", type=int, default=1, help="Of the places of the balls")
     return parser.parse_args()
@@ -106,4 +103,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

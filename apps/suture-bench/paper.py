@@ -8,13 +8,14 @@
 
 (Fig. 5: suture-bench cut; 8: suture-bench scaling; 9, 10: suture run and plot of the scenes cut-beam and letters.)
 """
+import argparse
 import collections
 import math
 import pathlib
-import sys
 import tempfile
 
-from harness import UNKNOWN, Report, option_parser, probe_rows, run_process, run_scene
+from harness import (UNKNOWN, Failure, Report, file_to_write, option_parser, positive, probe_rows, run_process,
+                     run_scene, run_script)
 from work_cases import (CANTILEVERS, Cells, Method, bars, box, box_scene, cantilever_scene, plate,
                         static_method)
 
@@ -310,31 +311,31 @@ def write_block(options, folder):
 
 def plot_runs(options, folder, names, picture):
     """Draws runs of a folder by `suture plot`."""
-    if run_process([options.programs / "suture", "plot", *names, "-o", picture], folder).code != 0:
-        raise OSError("suture plot failed")
+    log = folder / "plot.log"
+    if run_process([options.programs / "suture", "plot", *names, "-o", picture], folder, log).code != 0:
+        raise Failure(f"{picture}: could not be drawn: {log.read_text().strip()}")
 
 
-def plot_table(options, run, report, picture):
-    run(options, report)
-    import paper_report  # needs matplotlib, which the runs do not
-    paper_report.draw(options.figure, report.tables[f"Fig. {options.figure}"]["rows"], picture)
+def plot_table(options, report, picture):
+    try:
+        import paper_report  # needs matplotlib, which the runs do not
+        paper_report.draw(options.figure, report.tables[f"Fig. {options.figure}"]["rows"], picture)
+    except (ImportError, OSError) as error:
+        raise Failure(f"{picture}: could not be drawn ({error}); pictures need python3-matplotlib") from error
 
 
 def draw_figure(options, report, picture):
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        try:
-            if options.figure == "7":
-                write_equilibria(options.programs, folder)
-                plot_runs(options, folder, ["MSS", "TM"], picture)
-            elif options.figure == "13":
-                write_block(options, folder)
-                plot_runs(options, folder, ["MSS"], picture)
-            else:
-                plot_table(options, {"6": run_beams, "14": run_liver}[options.figure], report, picture)
-        except (ImportError, OSError, ValueError) as error:
-            sys.exit(f"{picture}: could not be drawn ({error}); pictures need python3-matplotlib and python3-vtk9, "
-                     "and end in .png, .pdf or .svg")
+        if options.figure == "7":
+            write_equilibria(options.programs, folder)
+            plot_runs(options, folder, ["MSS", "TM"], picture)
+        elif options.figure == "13":
+            write_block(options, folder)
+            plot_runs(options, folder, ["MSS"], picture)
+        else:
+            {"6": run_beams, "14": run_liver}[options.figure](options, report)
+            plot_table(options, report, picture)
     print(picture)
 
 
@@ -349,14 +350,21 @@ def run_tables(options, report):
         write_equilibria(options.programs, options.pictures)
 
 
+def picture_file(text):
+    if pathlib.Path(text).suffix not in (".png", ".pdf", ".svg"):
+        raise argparse.ArgumentTypeError("pictures end in .png, .pdf or .svg")
+    return file_to_write(text)
+
+
 def read_options():
     parser = option_parser(__doc__)
-    parser.add_argument("--across", nargs="+", type=int, default=[5, 10], help="Elements over the height of the beam")
-    parser.add_argument("--block", nargs=3, type=int, default=[30, 10, 10], help="Elements of the block of liver")
+    parser.add_argument("--across", nargs="+", type=positive, default=[5, 10],
+                        help="Elements over the height of the beam")
+    parser.add_argument("--block", nargs=3, type=positive, default=[30, 10, 10], help="Elements of the block of liver")
     parser.add_argument("--schemes", action="store_true", help="Only the tables of integrators at equal time")
-    parser.add_argument("--frames", type=int, default=20, help="Equilibria of the shear of liver")
+    parser.add_argument("--frames", type=positive, default=20, help="Equilibria of the shear of liver")
     parser.add_argument("--figure", choices=("6", "7", "13", "14"), help="Only this figure, with its picture")
-    parser.add_argument("-o", "--output", type=pathlib.Path, help="The picture of it; default: figure-N.png")
+    parser.add_argument("-o", "--output", type=picture_file, help="The picture of it; default: figure-N.png")
     parser.add_argument("--pictures", type=pathlib.Path,
                         help="Folder for the frames of Fig. 7, for docs/images/render.py --beside")
     return parser.parse_args()
@@ -372,4 +380,4 @@ def main():
     report.write_json()
 
 
-main()
+run_script(main)

@@ -5,11 +5,11 @@ Other options are passed on.
 
     startup.py path/to/programs [--json FILE] [OPTIONS of suture-bench startup]
 """
-import json
 import pathlib
 import tempfile
 
-from harness import Report, from_suture_bench, option_parser, run_process, write_tables
+from harness import (Failure, Report, from_suture_bench, option_parser, positive, run_scene, run_script,
+                     write_tables)
 from work_cases import Cells, Method, box_scene, held
 
 # A block of cubes under gravity, one end held, for 10 steps.
@@ -22,18 +22,17 @@ def best_time(options, output):
     """Seconds of `suture run` on the block, start to exit."""
     best = float("inf")
     with tempfile.TemporaryDirectory() as folder:
-        (pathlib.Path(folder) / "block.json").write_text(json.dumps({**BLOCK, "output": output}))
         for _ in range(4 * options.rounds):
-            use = run_process([options.programs / "suture", "run", "-q", "block.json"], folder)
+            use = run_scene(options.programs, {**BLOCK, "output": output}, pathlib.Path(folder))
             if use.code != 0:
-                raise RuntimeError(f"{options.programs / 'suture'} cannot run the block: exit code {use.code}")
+                raise Failure(f"the run of the block stopped: exit code {use.code}")
             best = min(best, use.wall)
     return best
 
 
 def main():
     parser = option_parser(__doc__)
-    parser.add_argument("--rounds", type=int, default=5, help="Repetitions")
+    parser.add_argument("--rounds", type=positive, default=5, help="Repetitions")
     options, others = parser.parse_known_args()
     report = Report()
     report.begin("startup: the program", "suture run from start to exit, best wall-clock time")
@@ -44,4 +43,4 @@ def main():
         write_tables(options.json, data["machine"], {**report.tables, **data["tables"]})
 
 
-main()
+run_script(main)

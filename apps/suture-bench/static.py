@@ -7,7 +7,7 @@
 import math
 
 import calculix
-from harness import UNKNOWN, Report, from_suture_bench, option_parser, write_tables
+from harness import UNKNOWN, Report, from_suture_bench, option_parser, positive, run_script, write_tables
 from solid_mesh import box_mesh
 from work_cases import CANTILEVERS, bars, cantilever_scene, static_method
 
@@ -45,7 +45,8 @@ def add_calculix(options, table):
 
 def read_options():
     parser = option_parser(__doc__)
-    parser.add_argument("--calculix", nargs="+", type=int, default=[5, 10], help="Cells over the height for CalculiX")
+    parser.add_argument("--calculix", nargs="+", type=positive, default=[5, 10],
+                        help="Cells over the height for CalculiX")
     parser.add_argument("--calculix-elements", nargs="+", default=["C3D8", "C3D8I"], choices=calculix.ELEMENTS)
     parser.add_argument("--no-calculix", dest="beside", action="store_false", help="Leave out CalculiX")
     return parser.parse_known_args()
@@ -62,4 +63,4 @@ def main():
         write_tables(options.json, data["machine"], data["tables"])
 
 
-main()
+run_script(main)

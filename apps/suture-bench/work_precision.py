@@ -11,7 +11,7 @@ import statistics
 import tempfile
 
 import calculix
-from harness import UNKNOWN, Report, last_row, option_parser, run_scene
+from harness import UNKNOWN, Report, last_row, option_parser, positive, run_scene, run_script
 from solid_mesh import write_gmsh
 from work_cases import MESH_FILE, work_cases
 
@@ -156,7 +156,7 @@ def read_options():
     parser.add_argument("--references", action="store_true",
                         help="Only CalculiX's values that references are extrapolated from")
     parser.add_argument("--dofs", type=float, default=math.inf, help="Largest number of unknowns of a mesh")
-    parser.add_argument("--rounds", type=int, default=5, help="Repetitions")
+    parser.add_argument("--rounds", type=positive, default=5, help="Repetitions")
     return parser.parse_args()
 
 
@@ -173,4 +173,4 @@ def main():
     report.write_json()
 
 
-main()
+run_script(main)

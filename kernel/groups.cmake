@@ -15,14 +15,15 @@ foreach(stage IN LISTS SUTURE_STAGES)
   endif()
 endforeach()
 
-# Headers that most groups include.
+if(NOT SUTURE_SANITIZER)
+  return()
+endif()
+
+# Headers that most groups include. g++ would warn of what stands in precompiled headers of the system.
 set(common_headers <algorithm> <array> <cmath> <functional> <limits> <map> <memory> <optional> <span> <sstream>
   <string> <variant> <vector> ${PROJECT_SOURCE_DIR}/kernel/dynamics/dynamics.hpp)
 if(SUTURE_PRECOMPILES)
   target_precompile_headers(suture_kernel PRIVATE ${common_headers})
-endif()
-if(NOT SUTURE_SANITIZER)
-  return()
 endif()
 
 # With sanitizers, rooms without a loop over a body are compiled without optimisation, and so are those
@@ -45,6 +46,6 @@ target_compile_definitions(suture_unhurried PRIVATE ${definitions})
 target_compile_options(suture_unhurried PRIVATE -O0)
 if(SUTURE_PRECOMPILES)
   target_precompile_headers(suture_unhurried PRIVATE ${common_headers})
-  target_precompile_headers(suture_model_check REUSE_FROM suture_unhurried)  # -O0, too. g++ would want the same definitions
+  target_precompile_headers(suture_model_check REUSE_FROM suture_unhurried)  # -O0, too
 endif()
 target_sources(suture_kernel PRIVATE $<TARGET_OBJECTS:suture_unhurried>)

@@ -39,17 +39,19 @@ std::vector<std::vector<loops::Rows>> make_chunks(std::span<const loops::Rows> r
   return chunks;
 }
 
-/// Appends the blocks of a range for which !drop(block), joined; returns the rows
-/// that were dropped.
+/// Appends the blocks of a range for which !drop(block), joined; returns the rows that were
+/// dropped. What begins where another range ends stays apart: the rows there differ
+/// (element_rows()).
 template <class Drop>
 Index keep(loops::Rows range, Drop drop, std::vector<loops::Rows>& kept) {
   Index dropped = 0;
+  const std::size_t first = kept.size();
   while (range.begin < range.end) {
     const loops::Rows block{range.begin, std::min(range.end, (range.begin / lanes + 1) * lanes)};
     range.begin = block.end;
     if (drop(block))
       dropped += block.end - block.begin;
-    else if (!kept.empty() && kept.back().end == block.begin)
+    else if (kept.size() > first && kept.back().end == block.begin)
       kept.back().end = block.end;
     else
       kept.push_back(block);

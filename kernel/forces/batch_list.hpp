@@ -51,7 +51,7 @@ class BatchList {
   bool append(const Connectivity& cells, Index first, Index last, Index vertex_count);
 
   /// Leaves out the blocks of 8 rows whose vertices are all `fixed`. The order of the others does
-  /// not change. O(rows x nodes).
+  /// not change, and no batch holds rows of two ranges. O(rows x nodes).
   void leave_out(const Connectivity& cells, const std::vector<bool>& fixed);
   Index left_out() const { return left_out_; }
 

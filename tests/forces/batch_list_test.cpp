@@ -105,6 +105,23 @@ TEST(BatchList, WithoutStillRowsKeepsTheOrderOfTheOthers) {
   expect_ordered(list, cells, vertices);
 }
 
+/// Functors treat the rows of each range by another formula, so that no batch may hold both.
+TEST(BatchList, WithoutStillRowsKeepsRangesApart) {
+  std::mt19937 random(13);
+  const Index rows = 1000, vertices = 600;
+  const std::vector<Index> nodes = random_rows(rows, vertices, random);
+  const Connectivity cells{nodes.data(), nullptr, 2};
+  for (const Index border : {405u, 408u}) {
+    BatchList list(cells, {{0, border}, {border, rows}}, vertices);
+    const Index batches = list.batch_count();
+    list.leave_out(cells, std::vector<bool>(vertices));
+    for (Index c = 0; c < list.chunk_count(); ++c)
+      for (const loops::Rows& range : list.ranges(c))
+        EXPECT_TRUE(range.end <= border || range.begin >= border) << range.begin;
+    EXPECT_EQ(list.batch_count(), batches);
+  }
+}
+
 /// Two chunks that had nothing to do with each other share a vertex since a seam.
 TEST(BatchList, ChunksThatMeetWaitForEachOther) {
   std::mt19937 random(12);

@@ -166,8 +166,8 @@ void PointPairs::add_nearest(std::size_t first_near, std::size_t last_near,
         plus(scaled(of.a, place(a)), plus(scaled(of.b, place(b)), scaled(of.c, place(c))));
     const Vec3 offset = minus(at, foot);
     const double distance = norm(offset);
-    if (is_apart(distance) || distance >= least || gap > margin * edge_ || normal == Vec3{})
-      continue;
+    if (is_apart(distance) || std::max(distance, std::abs(gap)) >= least) continue;
+    if (gap > margin * edge_ || normal == Vec3{}) continue;
     if (norm(minus(offset, scaled(gap, normal))) > beside * edge_) continue;
     if (!own_normal) own_normal = normal_at(p);
     if (dot(*own_normal, normal) > same_side * norm(*own_normal)) continue;

@@ -40,6 +40,7 @@ void Contact::release(const ContactStep& step) {
     const std::size_t at = 4 * std::size_t{near.vertex};
     std::ranges::copy(near.free_end, attributes_.position().rows() + at);
     std::ranges::copy(near.free_velocity, attributes_.velocity().rows() + at);
+    if (edges_) near_of_vertex_[near.vertex] = none;  // pieces find theirs again
   }
   for (Pushed& pushed : pushed_) pushed.change = {};
   if (pieces_) find_touching_pieces(step);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "kernel/base/rows.hpp"
 #include "kernel/contact/contact.hpp"
@@ -161,12 +162,14 @@ CuttingEdges::Edge edge_in_the_block() {
   return {0, {{0.3, 0.5, 0.45}, {0.7, 0.5, 0.55}}, std::vector<double>(27, edge_toughness)};
 }
 
-// By itself, and beside the push of the ball. The edge takes the tissue along, and then cuts.
+// By itself, and beside the push of the ball; with pieces, whose touches are found again for each
+// motion of the tool. The edge takes the tissue along, and then cuts.
 TEST_P(ToolSchemes, WhatResistsABladeIsPartOfTheReaction) {
-  for (const bool pushes : {false, true}) {
+  for (const auto& [pushes, has_pieces] : {std::pair(false, false), {true, false}, {true, true}}) {
     Obstacle obstacle = presser();
     obstacle.pushes = pushes;
     Pressed pressed(obstacle, GetParam());
+    if (has_pieces) pressed.contact.touch_pieces({});
     pressed.contact.add_edge(edge_in_the_block());
     const double dt = 0.5 * pressed.stable_step(), length = std::hypot(0.4, 0.1);
     pressed.run(dt, 1);  // a first kick may be shorter

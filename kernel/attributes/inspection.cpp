@@ -19,7 +19,6 @@ class InspectionBatch {
       : instance_(instance),
         functor_(functor),
         rest_(rest),
-        mass_(mass),
         user_element_(user_element),
         dimension_(static_cast<int>(functor.dimension)),
         node_count_(nodes_of(functor)) {
@@ -84,7 +83,6 @@ class InspectionBatch {
   const Instance& instance_;
   const suture_functor& functor_;
   RestPlaces rest_;
-  const Column& mass_;
   std::span<const Index> user_element_;
   int dimension_, node_count_;
   AlignedVector<double> positions_, at_rest_;

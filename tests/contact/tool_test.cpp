@@ -99,29 +99,36 @@ INSTANTIATE_TEST_SUITE_P(Tool, ToolSchemes, testing::ValuesIn(rig::schemes), [](
   return std::string(test.param, 6) == "veloci" ? "verlet" : "euler";
 });
 
+/// A step in which the body feels what the tool feels, and the momentum of the tool changes by what
+/// body and hand give it. Returns the force of the body, N, and its torque, N m.
+std::array<double, 2> expect_reaction(Pressed& pressed, double dt) {
+  const Vec3 before = pressed.tool().velocity(), spin = pressed.tool().spin();
+  pressed.run(dt, 1);
+  const Tool& tool = pressed.tool();
+  const Contact::Load& load = pressed.contact.loads()[0];
+  Vec3 vertices{};
+  for (const Contact::Touch& touch : pressed.contact.touches())
+    vertices = plus(vertices, touch.force);
+  const double scale = 1 + norm(load.force) + norm(tool.hand_force());
+  const Vec3 change = scaled(20 / dt, minus(tool.velocity(), before));
+  const Vec3 turning = scaled(0.5 / dt, minus(tool.spin(), spin));
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(vertices[c], -load.force[c], 1e-12 * scale);
+    EXPECT_NEAR(change[c], load.force[c] - tool.hand_force()[c], 1e-10 * scale) << "differences";
+    EXPECT_NEAR(turning[c], load.torque[c] - tool.hand_torque()[c], 1e-10 * scale);
+  }
+  return {norm(load.force), norm(load.torque)};
+}
+
 TEST_P(ToolSchemes, ActionEqualsReactionInEveryStep) {
   Pressed pressed(presser(), GetParam());
   const double dt = 0.5 * pressed.stable_step();
   pressed.run(dt, 1);  // a first kick may be shorter
   double largest = 0, torque = 0;
   for (int i = 0; i < 400; ++i) {
-    const Vec3 before = pressed.tool().velocity(), spin = pressed.tool().spin();
-    pressed.run(dt, 1);
-    const Tool& tool = pressed.tool();
-    const Contact::Load& load = pressed.contact.loads()[0];
-    Vec3 vertices{};
-    for (const Contact::Touch& touch : pressed.contact.touches())
-      vertices = plus(vertices, touch.force);
-    const double scale = 1 + norm(load.force) + norm(tool.hand_force());
-    const Vec3 change = scaled(20 / dt, minus(tool.velocity(), before));
-    const Vec3 turning = scaled(0.5 / dt, minus(tool.spin(), spin));
-    for (std::size_t c = 0; c < 3; ++c) {
-      EXPECT_NEAR(vertices[c], -load.force[c], 1e-12 * scale);
-      EXPECT_NEAR(change[c], load.force[c] - tool.hand_force()[c], 1e-10 * scale) << "differences";
-      EXPECT_NEAR(turning[c], load.torque[c] - tool.hand_torque()[c], 1e-10 * scale);
-    }
-    largest = std::max(largest, norm(load.force));
-    torque = std::max(torque, norm(load.torque));
+    const auto [force, turning] = expect_reaction(pressed, dt);
+    largest = std::max(largest, force);
+    torque = std::max(torque, turning);
   }
   EXPECT_GT(largest, 500);
   EXPECT_GT(torque, 5);
@@ -176,26 +183,12 @@ TEST_P(ToolSchemes, WhatResistsABladeIsPartOfTheReaction) {
     double largest = 0, torque = 0;
     int holding = 0, cutting = 0;
     for (int i = 0; i < 400; ++i) {
-      const Vec3 before = pressed.tool().velocity(), spin = pressed.tool().spin();
       const double taken = -*pressed.contact.cutting_work();
-      pressed.run(dt, 1);
-      const Tool& tool = pressed.tool();
-      const Contact::Load& load = pressed.contact.loads()[0];
-      Vec3 vertices{};
-      for (const Contact::Touch& touch : pressed.contact.touches())
-        vertices = plus(vertices, touch.force);
-      const double scale = 1 + norm(load.force) + norm(tool.hand_force());
-      const Vec3 change = scaled(20 / dt, minus(tool.velocity(), before));
-      const Vec3 turning = scaled(0.5 / dt, minus(tool.spin(), spin));
-      for (std::size_t c = 0; c < 3; ++c) {
-        EXPECT_NEAR(vertices[c], -load.force[c], 1e-12 * scale);
-        EXPECT_NEAR(change[c], load.force[c] - tool.hand_force()[c], 1e-10 * scale);
-        EXPECT_NEAR(turning[c], load.torque[c] - tool.hand_torque()[c], 1e-10 * scale);
-      }
-      largest = std::max(largest, norm(load.force));
-      torque = std::max(torque, norm(load.torque));
+      const auto [force, turning] = expect_reaction(pressed, dt);
+      largest = std::max(largest, force);
+      torque = std::max(torque, turning);
       const bool cuts = -*pressed.contact.cutting_work() > taken + 1e-9;
-      (cuts ? cutting : holding) += norm(load.force) > 1;
+      (cuts ? cutting : holding) += force > 1;
     }
     EXPECT_GT(holding, 5) << pushes;
     EXPECT_GT(cutting, 5) << pushes;

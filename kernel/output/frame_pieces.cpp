@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernel/output/frame_file.hpp"
+#include "kernel/vtk/xml_attribute.hpp"
 
 namespace suture {
 namespace {
@@ -60,23 +61,6 @@ std::vector<FrameField> fields_at(const std::vector<FrameField>& fields,
     const auto width = static_cast<std::size_t>(field.components);
     result.push_back({field.name, field.components, rows_at(field.values, rows, width),
                       rows_at(field.ids, rows, width), field.global_ids, field.principal});
-  }
-  return result;
-}
-
-std::string in_attribute(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&')
-      result += "&amp;";
-    else if (c == '<')
-      result += "&lt;";
-    else if (c == '>')
-      result += "&gt;";
-    else if (c == '"')
-      result += "&quot;";
-    else
-      result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
   return result;
 }

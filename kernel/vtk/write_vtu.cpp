@@ -21,6 +21,7 @@
 #include <type_traits>
 
 #include "kernel/vtk/vtk_library.hpp"
+#include "kernel/vtk/xml_attribute.hpp"
 
 namespace suture {
 namespace {
@@ -108,37 +109,14 @@ vtkSmartPointer<Array> borrowed(const T* data, std::size_t tuples, int component
   return array;
 }
 
-// VTK 9.1 writes names into XML attributes as they are.
-std::string escaped(const std::string& name) {
-  std::string text;
-  for (const char c : name) {
-    switch (c) {
-      case '&':
-        text += "&amp;";
-        break;
-      case '<':
-        text += "&lt;";
-        break;
-      case '>':
-        text += "&gt;";
-        break;
-      case '"':
-        text += "&quot;";
-        break;
-      default:
-        text += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-    }
-  }
-  return text;
-}
-
 vtkSmartPointer<vtkDataArray> array_of(const VtuArray& source, std::size_t tuples) {
   vtkSmartPointer<vtkDataArray> array;
   if (source.values) array = borrowed<vtkDoubleArray>(source.values, tuples, source.components);
   if (source.ids) array = borrowed<vtkTypeInt64Array>(source.ids, tuples, source.components);
   if (source.flags) array = borrowed<vtkUnsignedCharArray>(source.flags, tuples, source.components);
   if (!array) array = vtkSmartPointer<vtkDoubleArray>::New();
-  array->SetName(escaped(source.name).c_str());
+  // VTK 9.1 writes names into XML attributes as they are.
+  array->SetName(in_attribute(source.name).c_str());
   for (std::size_t c = 0; c < source.component_names.size(); ++c)
     array->SetComponentName(static_cast<vtkIdType>(c), source.component_names[c]);
   return array;

@@ -74,7 +74,10 @@ void FactoredRows::factor(const BlockRows<double>& a, const Held& held,
   fill(a, held, soft);
   shift_ = 0;
   for (double part = 1e-8; !factor_->factor(view()); part *= 100) {
-    if (part > 1e4) throw NumericalError("the tangent cannot be factored");
+    if (part > 1e4)
+      throw NumericalError(
+          "the tangent is too indefinite to be factored, as where a body buckles, snaps through or "
+          "slides off what holds it");
     raise_diagonal(part);
     shift_ += part;
   }

@@ -39,9 +39,11 @@ Obstacle floor(double friction) {
   return {"floor", "/contact/obstacles/0", HalfSpace{{0, 0, 0}, {0, 0, 1}}, {}, friction};
 }
 
-/// A ball whose lowest point is at `height` above a floor.
-Scene ball_over_floor(double height, const Vec3& gravity, double friction, double young = 1e7) {
-  Scene scene = scene_of(sphere_surface({0, 0, radius + height}, radius, 4), young);
+/// A ball whose lowest point is at `height` above a floor. `level`: how often the triangles of its
+/// surface are divided.
+Scene ball_over_floor(double height, const Vec3& gravity, double friction, double young = 1e7,
+                      int level = 4) {
+  Scene scene = scene_of(sphere_surface({0, 0, radius + height}, radius, level), young);
   scene.gravity = gravity;
   scene.contact.obstacles = {floor(friction)};
   return scene;
@@ -227,10 +229,11 @@ TEST(SurfaceContact, AnEquilibriumIsThatWhichComesToRest) {
 }
 
 /// The force on a ball between a floor and a lid that comes down, over that of Hertz. The contact
-/// radius is 0.2 m.
-double over_hertz(double size) {
+/// radius is 0.2 m. Triangles longer than the elements would be seen: those of level 4 are flat
+/// within 1.5 % of the depth.
+double over_hertz(double size, int level = 4) {
   const double young = 1e6, depth = 0.04;
-  Scene scene = ball_over_floor(0, {}, 0, young);
+  Scene scene = ball_over_floor(0, {}, 0, young, level);
   scene.mesh.filled->size = {.edge = size};
   Constraint& axis = scene.constraints.emplace_back();
   axis.where.what = Selection::Sphere{{0, 0, radius}, 0.25};
@@ -247,12 +250,15 @@ double over_hertz(double size) {
   return run.simulation.contact()->loads()[1].force[2] / hertz;
 }
 
+// Hertz holds for small depths and strains. A whole ball of this law that is held inside, too,
+// takes 1.0130 of his force at this depth: hertz.py, with 80 elements along its edge (40: 1.0110).
 // Stairs of the same size carry 2 to 3 times the force.
 TEST(SurfaceContact, ABallBetweenPlatesFollowsHertz) {
-  EXPECT_NEAR(over_hertz(0.2), 1, 0.12);
+  constexpr double exact = 1.013;
+  EXPECT_NEAR(over_hertz(0.2), exact, 0.12);
   if (std::getenv("SUTURE_FULL") != nullptr) {
-    EXPECT_NEAR(over_hertz(0.1), 1, 0.04);
-    EXPECT_NEAR(over_hertz(0.05), 1, 0.01);
+    EXPECT_NEAR(over_hertz(0.1), exact, 0.04);
+    EXPECT_NEAR(over_hertz(0.05, 5), exact, 0.01);
   }
 }
 

@@ -149,9 +149,10 @@ void EmbeddedParts::inherit_cuts(std::size_t first_triangle, Index first_copy,
     cut_of_triangle_[t] = cut;
     if (element(t) < first_copy) continue;
     const Index origin = origins[element(t) - first_copy];
-    const LipTriangle of_copy = triangle(t);
     const auto first = std::ranges::lower_bound(lips, std::pair(origin, Index{0})),
                last = std::ranges::lower_bound(lips, std::pair(origin + 1, Index{0}));
+    if (first == last) continue;
+    const LipTriangle of_copy = triangle(t);
     const auto lip = std::find_if(
         first, last, [&](const auto& pair) { return triangle(pair.second).covers(of_copy); });
     if (lip != last && cut_of_triangle_[lip->second] != none)

@@ -51,34 +51,32 @@ BladePieces::BladePieces(const CellComplex& complex, const Parts& parts, const d
 /// The tolerance is one for all, so that neighbours agree: that of the shortest edge at the
 /// blade.
 void BladePieces::find_sides() {
-  std::vector<Index> near;
   double shortest = infinity;
   for (Index e = 0; e < complex_.element_count(); ++e) {
     if (!complex_.exists(3, e)) continue;
     const Hexahedron& nodes = complex_.vertices_of(e);
-    unsigned known = 0;
-    for (const Index v : nodes) known += std::isnan(heights_[v]) ? 0u : 1u;
-    if (known == 0) continue;  // most of them, if the blade is short
-    double low = infinity, high = -infinity;
+    // Heights that are not known, most of them if the blade is short, are never less or greater.
+    double low = infinity, high = -infinity, sum = 0;
     for (const Index v : nodes) {
       low = std::min(low, heights_[v]);
       high = std::max(high, heights_[v]);
+      sum += heights_[v];
     }
-    if (known < nodes.size()) {  // it cannot be divided, but it may be beside one that is
+    if (std::isnan(sum)) {  // it cannot be divided, but it may be beside one that is
       if (low < 0 && high > 0) leave_whole(e);
       continue;
     }
     side_[e] = high > -low ? 1 : -1;
     // Corners on a plane along a grid are beside it by rounding.
     if (std::min(high, -low) < -tolerance_in_edges * (high - low)) continue;
-    near.push_back(e);
+    near_.push_back(e);
     for (const auto& [a, b] : hexahedron::edge_vertices) {
       const Vec3 edge = minus(row(nodes[a]), row(nodes[b]));
       shortest = std::min(shortest, dot(edge, edge));
     }
   }
   tolerance_ = tolerance_in_edges * std::sqrt(shortest);
-  for (const Index e : near) {
+  for (const Index e : near_) {
     bool above = false, below = false;
     for (const Index v : complex_.vertices_of(e)) {
       above = above || heights_[v] > tolerance_;
@@ -112,8 +110,7 @@ void BladePieces::check_size(const Material& material) const {
 
 void BladePieces::divide(Index element) {
   const Hexahedron& nodes = complex_.vertices_of(element);
-  Material own;
-  const Material& material = materials_.of(element, own);
+  const Material& material = materials_.of(element, own_);
   find_point_heights(material, node_heights(nodes));
   const std::vector<double>& heights = point_heights_;
   side_[element] = static_cast<std::int8_t>(side_of(material, heights, tolerance_));

@@ -37,6 +37,9 @@ class BladePieces {
   BladePieces(const CellComplex& complex, const Parts& parts, const double* rows,
               const Blade& blade, const std::string& path, std::size_t stride);
 
+  /// Elements with nodes on both sides of the blade, or nearer to it than a fiftieth of the
+  /// element.
+  const std::vector<Index>& near() const { return near_; }
   const std::vector<Index>& divided() const { return divided_; }  ///< elements, ascending
   bool is_divided(Index element) const {
     return pieces_of_[element].last - pieces_of_[element].first > 1;
@@ -88,11 +91,12 @@ class BladePieces {
   std::vector<double> heights_;
   double tolerance_ = 0;  ///< m
   std::vector<std::int8_t> side_;
-  std::vector<Index> crossed_, divided_;
+  std::vector<Index> near_, crossed_, divided_;
   std::vector<Index> undivided_;  ///< of those whose nodes are on both sides
   bool has_rim_ = false;          ///< the material of one of these may be, too
   Divider divider_;
-  std::vector<double> point_heights_;  ///< of the element that is divided, by point
+  Material own_;                       ///< of the element that is divided
+  std::vector<double> point_heights_;  ///< of its points
   std::vector<Range> pieces_of_;       ///< by element
   std::vector<BladePiece> pieces_;
   RefinedParts refined_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/operations/blade_pieces.hpp"
 #include "kernel/parts/cube_sides.hpp"
 #include "kernel/parts/moments.hpp"
@@ -27,7 +28,7 @@ namespace {
 
 /// Pieces that overlap at a face, and by how much.
 struct Touch {
-  std::size_t one, other;
+  Index one, other;
   Dart dart, mate;  ///< of the sides at which they touch
   double area;
   bool one_is_covered, other_is_covered;  ///< there, by the other
@@ -119,8 +120,8 @@ class Cutter {
   void find_touches_at(Dart side, Dart mate, bool is_tied) {
     const Range here = pieces_.of(element_of(side)), there = pieces_.of(element_of(mate));
     const unsigned here_side = cube_side_of(side), there_side = cube_side_of(mate);
-    for (std::size_t one = here.first; one < here.last; ++one)
-      for (std::size_t other = there.first; other < there.last; ++other) {
+    for (Index one = here.first; one < here.last; ++one)
+      for (Index other = there.first; other < there.last; ++other) {
         const BladePiece &a = pieces_[one], &b = pieces_[other];
         if (a.side * b.side < 0) continue;
         const auto mine = a.triangles()[here_side], theirs = b.triangles()[there_side];
@@ -138,11 +139,11 @@ class Cutter {
     for (bool again = true; again;) {
       again = false;
       // The first piece met behind each side, below the blade, across it and above.
-      std::vector<std::size_t> behind(pieces_.size() * 18, pieces_.size());
-      const auto meet = [&](std::size_t one, std::size_t other, unsigned side) {
+      std::vector<Index> behind(pieces_.size() * 18, none);
+      const auto meet = [&](Index one, Index other, unsigned side) {
         const auto where = static_cast<unsigned>(pieces_[other].side + 1);
-        std::size_t& first = behind[sets.find(one) * 18 + side * 3 + where];
-        if (first == pieces_.size()) first = other;
+        Index& first = behind[sets.find(one) * 18 + side * 3 + where];
+        if (first == none) first = other;
         // Those behind a tied side may be copies that are elements of their own by now.
         if (sets.find(first) == sets.find(other) ||
             pieces_[first].element != pieces_[other].element)
@@ -225,9 +226,9 @@ class Cutter {
 
   /// Joins the copies that touch, each face once: the largest contact first.
   void join_copies(DisjointSets& sets) {
-    std::ranges::stable_sort(touches_, std::ranges::greater{}, &Touch::area);
     std::vector<Index> joined(6 * pieces_.size(), none);  // behind the sides of sets of pieces
-    for (const Touch& touch : touches_) {
+    for (const auto& [area, number] : by_area()) {
+      const Touch& touch = touches_[number];
       Index& behind = joined[6 * sets.find(touch.one) + touch.side()];
       Index& before = joined[6 * sets.find(touch.other) + touch.other_side()];
       const Index one = copy_of_[touch.one], other = copy_of_[touch.other];
@@ -259,6 +260,16 @@ class Cutter {
         if (const Index behind = joined[6 * sets.find(p) + s];
             behind != none && is_hidden[6 * p + s] == 0)
           show_uncovered(p, s, behind);
+  }
+
+  /// The negative areas of touches and their numbers, the largest first.
+  std::vector<std::pair<double, Index>> by_area() const {
+    std::vector<std::pair<double, Index>> order;
+    order.reserve(touches_.size());
+    for (const Touch& touch : touches_)
+      order.emplace_back(-touch.area, static_cast<Index>(order.size()));
+    std::ranges::sort(order);
+    return order;
   }
 
   /// Whether a side of a tie is joined to another element, and neither is divided.
@@ -303,16 +314,23 @@ class Cutter {
     }
   }
 
-  /// Between elements on different sides that are not divided.
+  /// Between elements on different sides that are not divided, from the one above. At least one of
+  /// them is near the blade, or all of their common nodes would be on both sides.
   void find_cut_faces() {
-    for (Index e = 0; e < complex_.element_count(); ++e) {
-      if (!complex_.exists(3, e) || pieces_.side(e) != 1 || is_divided(e)) continue;
+    std::vector<Dart>& cut = result_.cloning.cut;
+    for (const Index e : pieces_.near()) {
+      if (pieces_.side(e) == 0 || is_divided(e)) continue;
       for (int f = 0; f < hexahedron::faces; ++f) {
-        const Index n = complex_.neighbour(e, f);
-        if (n == none || is_divided(n) || pieces_.side(n) != -1) continue;
-        if (pieces_.holds_face(e, f)) result_.cloning.cut.push_back(face_dart(e, f));
+        const Dart side = face_dart(e, f), mate = complex_.beta3(side);
+        if (mate == none || is_divided(element_of(mate))) continue;
+        if (pieces_.side(e) * pieces_.side(element_of(mate)) == -1)
+          cut.push_back(pieces_.side(e) == 1 ? side : face_of(mate));
       }
     }
+    sort_unique(cut);
+    std::erase_if(cut, [&](Dart side) {
+      return !pieces_.holds_face(element_of(side), static_cast<int>(local_face(side)));
+    });
   }
   const CellComplex& complex_;
   std::span<const Tie> ties_;

@@ -63,6 +63,7 @@ class Divider::Clipping {
     fragments.clear();
     signs_.clear();
     crossings_.clear();
+    last_crossing_.assign(points.size(), none);
     for (const double height : heights) signs_.push_back(sign_of(height, tolerance));
     for (Index t = 0; t < material.tetrahedra.size(); ++t) clip(material.tetrahedra[t], t);
   }
@@ -92,6 +93,7 @@ class Divider::Clipping {
 
   struct Crossing {
     Index low, high;
+    Index next;  ///< another one with the same low point, or none
   };
 
   void clip(const Tetrahedron& corners, Index parent) {
@@ -182,11 +184,11 @@ class Divider::Clipping {
   /// elements at the edge find the same bits.
   Index crossing(Index low, Index high) {
     if (less(high, low)) std::swap(low, high);
-    for (std::size_t i = 0; i < crossings_.size(); ++i)
-      if (crossings_[i].low == low && crossings_[i].high == high)
-        return old_points_ + static_cast<Index>(i);
+    for (Index i = last_crossing_[low]; i != none; i = crossings_[i].next)
+      if (crossings_[i].high == high) return old_points_ + i;
     const double share = heights_[low] / (heights_[low] - heights_[high]);
-    crossings_.push_back({low, high});
+    crossings_.push_back({low, high, last_crossing_[low]});
+    last_crossing_[low] = static_cast<Index>(crossings_.size() - 1);
     points.push_back(plus(points[low], scaled(share, minus(points[high], points[low]))));
     return static_cast<Index>(points.size() - 1);
   }
@@ -195,6 +197,7 @@ class Divider::Clipping {
   std::span<const double> heights_;
   std::vector<std::int8_t> signs_;
   std::vector<Crossing> crossings_;
+  std::vector<Index> last_crossing_;  ///< by low point
   Index parent_ = 0;
   int side_ = 0;
 };
@@ -204,16 +207,19 @@ class Divider::Clipping {
 class Divider::FacePairs {
  public:
   void find(const std::vector<Fragment>& fragments) {
-    mates_.assign(4 * fragments.size(), none);
-    table_.assign(std::bit_ceil(2 * mates_.size()), {});
+    mates_.resize(4 * fragments.size());
+    if (table_.size() < 2 * mates_.size()) table_.resize(std::bit_ceil(2 * mates_.size()));
+    mask_ = std::bit_ceil(2 * mates_.size()) - 1;
+    ++call_;
+    // Without branches that would be taken every other time.
     for (Index face = 0; face < mates_.size(); ++face) {
-      Slot& slot = slot_of(key_of(points_of(fragments, face)));
-      if (slot.face == none) {
-        slot.face = face;
-      } else {
-        mates_[face] = slot.face;
-        mates_[slot.face] = face;
-      }
+      const std::uint64_t key = key_of(points_of(fragments, face));
+      Slot& slot = slot_of(key);
+      const bool is_found = slot.call == call_;
+      const Index mate = is_found ? slot.face : face;
+      mates_[mate] = is_found ? face : none;
+      mates_[face] = is_found ? mate : none;
+      slot = {key, mate, call_};
     }
   }
   /// The other face at the same points, or none.
@@ -223,29 +229,29 @@ class Divider::FacePairs {
   struct Slot {
     std::uint64_t key = 0;
     Index face = none;
+    std::uint32_t call = 0;  ///< of find() in which it was written; else it is empty
   };
 
   /// It stands for the points, of which there are fewer than 2^21.
-  static std::uint64_t key_of(Triangle points) {
-    auto& [low, middle, high] = points;
-    if (middle < low) std::swap(low, middle);
-    if (high < middle) std::swap(middle, high);
-    if (middle < low) std::swap(low, middle);
+  static std::uint64_t key_of(const Triangle& points) {
+    const auto [a, b, c] = points;
+    const Index low = std::min(std::min(a, b), c), high = std::max(std::max(a, b), c);
+    const Index middle = a ^ b ^ c ^ low ^ high;
     return low | std::uint64_t{middle} << 21 | std::uint64_t{high} << 42;
   }
-  /// That of the key, or an empty one that becomes its own.
+  /// That of the key, or an empty one.
   Slot& slot_of(std::uint64_t key) {
     const std::uint64_t hash = key * 0x9E3779B97F4A7C15u;
     for (std::size_t i = hash ^ hash >> 32;; ++i) {
-      Slot& slot = table_[i & (table_.size() - 1)];
-      if (slot.face != none && slot.key != key) continue;
-      slot.key = key;
-      return slot;
+      Slot& slot = table_[i & mask_];
+      if (slot.call != call_ || slot.key == key) return slot;
     }
   }
 
   std::vector<Index> mates_;
-  std::vector<Slot> table_;
+  std::vector<Slot> table_;  ///< of which find() uses the first `mask_ + 1`
+  std::size_t mask_ = 0;
+  std::uint32_t call_ = 0;
 };
 
 namespace {
@@ -300,8 +306,11 @@ class Divider::PartBuilder {
         add_triangle(face, was_cut(face));
       }
     }
-    std::erase_if(parts_, [](const DividedPart& p) { return !(p.moments.fraction > 0); });
-    return std::move(parts_);
+    std::vector<DividedPart> found;
+    found.reserve(count_);
+    for (std::size_t p = 0; p < count_; ++p)
+      if (parts_[p].moments.fraction > 0) found.push_back(parts_[p]);
+    return found;
   }
 
  private:
@@ -319,14 +328,14 @@ class Divider::PartBuilder {
     for (Index face = 0; face < 4 * fragments.size(); ++face)
       if (const Index mate = faces.mate(face); mate < face && side(face) == side(mate))
         sets.unite(face / 4, mate / 4);
-    parts_.clear();
+    count_ = 0;
     part_of_.clear();
     sums_.clear();
     for (std::size_t f = 0; f < fragments.size(); ++f) {
       const std::size_t first = sets.find(f);
       if (first == f) {
-        part_of_.push_back(parts_.size());
-        parts_.emplace_back().side = fragments[f].side;
+        part_of_.push_back(count_++);
+        begin_part(part_of_.back(), fragments[f].side);
         sums_.emplace_back();
       } else {
         part_of_.push_back(std::size_t{part_of_[first]});
@@ -335,17 +344,20 @@ class Divider::PartBuilder {
       for (std::size_t i = 0; i < 4; ++i) places[i] = clipping_->points[fragments[f].corners[i]];
       sums_[part_of_[f]].add(places);
     }
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
+    for (std::size_t p = 0; p < count_; ++p) {
       parts_[p].moments = sums_[p].moments();
       if (!(parts_[p].moments.fraction >= smallest_part)) parts_[p].moments.fraction = 0;
     }
-    number_of_.assign(parts_.size() * clipping_->points.size(), none);
-    for (DividedPart& part : parts_) {
-      part.material.points.reserve(clipping_->points.size());
-      part.material.tetrahedra.reserve(fragments.size());
-      part.material.triangles.reserve(fragments.size());
-      part.material.is_cut.reserve(fragments.size());
-    }
+    number_of_.assign(count_ * clipping_->points.size(), none);
+  }
+  void begin_part(std::size_t number, int side) {
+    if (number == parts_.size()) parts_.emplace_back();
+    parts_[number].side = side;
+    Material& material = parts_[number].material;
+    material.points.clear();
+    material.tetrahedra.clear();
+    material.triangles.clear();
+    material.is_cut.clear();
   }
 
   Index number(std::size_t part, Index point) {
@@ -384,7 +396,8 @@ class Divider::PartBuilder {
   const Clipping* clipping_ = nullptr;
   OldSurface old_surface_;
   std::vector<std::uint8_t> sides_;  ///< of the cube, by point
-  std::vector<DividedPart> parts_;
+  std::vector<DividedPart> parts_;   ///< the first `count_` of this division
+  std::size_t count_ = 0;
   std::vector<MomentSum> sums_;       ///< by part
   std::vector<std::size_t> part_of_;  ///< by fragment
   std::vector<Index> number_of_;      ///< by part and point

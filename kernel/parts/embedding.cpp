@@ -20,7 +20,7 @@ class Welding {
       : complex_(complex),
         out_(out),
         number_of_(complex.count(0), none),
-        table_(std::bit_ceil(2 * expected + 2), none) {
+        table_(std::bit_ceil(expected / 2 + 2), none) {
     out.first.reserve(expected + 1);
     out.vertices.reserve(4 * expected);
     out.weights.reserve(4 * expected);
@@ -65,10 +65,11 @@ class Welding {
 
   /// Where the number of a point like that which has been written last is, or comes to.
   Index& place_of_last() {
-    if (2 * next() >= table_.size()) grow();
+    if (2 * in_table_ >= table_.size()) grow();
     const Index begin = out_.first.back(), end = static_cast<Index>(out_.vertices.size());
     for (std::size_t i = hash(begin, end);; ++i) {
       Index& place = table_[i & (table_.size() - 1)];
+      if (place == none) ++in_table_;
       if (place == none || are_equal(place, begin, end)) return place;
     }
   }
@@ -109,6 +110,7 @@ class Welding {
   EmbeddedPoints& out_;
   std::vector<Index> number_of_;  ///< of points in the places of vertices
   std::vector<Index> table_;      ///< of points on edges and faces, by their hashes
+  std::size_t in_table_ = 0;      ///< of these points
 };
 
 /// Collects the cells of an embedding.
@@ -135,8 +137,8 @@ class EmbeddingBuilder {
 
  private:
   Index point(Index p) {
-    if (added_[p] == none) added_[p] = welding_.add(parts_.points[p]);
-    return added_[p];
+    const Index known = added_[p];
+    return known != none ? known : added_[p] = welding_.add(parts_.points[p]);
   }
   void add_triangle(Index element, const std::array<Index, 3>& corners, bool is_laid_open,
                     std::size_t source) {
@@ -158,8 +160,8 @@ class EmbeddingBuilder {
     const auto& [a, b, c] = parts_.triangles[t];
     const Index element = parts_.points[a].element;
     if (!complex_.exists(3, element)) return;
-    const unsigned on = sides(a) & sides(b) & sides(c);
-    if (on != 0 && (on & open_sides(element)) != 0) return;
+    const unsigned open = open_sides(element);
+    if (open != 0 && (sides(a) & sides(b) & sides(c) & open) != 0) return;
     add_triangle(element, {point(a), point(b), point(c)},
                  !parts_.is_cut.empty() && parts_.is_cut[t] != 0, t);
   }
@@ -196,6 +198,7 @@ class EmbeddingBuilder {
   /// Those of a full element.
   void add_open_faces(Index element) {
     const unsigned open = open_sides(element);
+    if (open == 0) return;
     for (std::size_t i = 0; i < cube_sides.size(); ++i) {
       if ((open >> i & 1) == 0) continue;
       std::array<Index, 4> q = corners_of(cube_sides[i]);
@@ -247,11 +250,10 @@ Parts renumbered(Parts parts, const Renumbering& element_of) {
 
 std::array<double, 8> trilinear_weights(const Vec3& at) {
   std::array<double, 8> weights;
-  for (std::size_t n = 0; n < 8; ++n) {
-    weights[n] = 1;
-    for (std::size_t a = 0; a < 3; ++a)
-      weights[n] *= ((n >> a & 1) != 0 ? 1 + at[a] : 1 - at[a]) / 2;
-  }
+  std::array<std::array<double, 2>, 3> factor;
+  for (std::size_t a = 0; a < 3; ++a) factor[a] = {(1 - at[a]) / 2, (1 + at[a]) / 2};
+  for (std::size_t n = 0; n < 8; ++n)
+    weights[n] = factor[0][n & 1] * factor[1][n >> 1 & 1] * factor[2][n >> 2];
   return weights;
 }
 

@@ -11,6 +11,9 @@ namespace {
 
 using Place = std::array<double, 2>;
 
+// Boxes of triangles are larger than these, or rounding decides.
+constexpr double box_rounding = 1e-12;
+
 double cross_product(const Place& o, const Place& a, const Place& b) {
   return (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
 }
@@ -21,7 +24,6 @@ SideTriangle side_triangle(const std::array<Vec3, 3>& corners, unsigned axis) {
     triangle.x[i] = {corners[i][(axis + 1) % 3], corners[i][(axis + 2) % 3]};
     for (std::size_t c = 0; c < 2; ++c) triangle.centroid[c] += triangle.x[i][c] / 3;
   }
-  triangle.area = std::abs(cross_product(triangle.x[0], triangle.x[1], triangle.x[2]));
   return triangle;
 }
 
@@ -36,7 +38,15 @@ std::array<Vec3, 3> SideTriangle::places(CubeSide side) const {
   return places;
 }
 
+double SideTriangle::area() const { return std::abs(cross_product(x[0], x[1], x[2])); }
+
 bool SideTriangle::contains(const Place& p) const {
+  const auto is_in_box = [&](std::size_t c) {
+    const double low = std::min(std::min(x[0][c], x[1][c]), x[2][c]),
+                 high = std::max(std::max(x[0][c], x[1][c]), x[2][c]);
+    return (p[c] >= low - box_rounding) & (p[c] <= high + box_rounding);
+  };
+  if (!(is_in_box(0) & is_in_box(1))) return false;  // most of them
   const double a = cross_product(x[0], x[1], p), b = cross_product(x[1], x[2], p),
                c = cross_product(x[2], x[0], p);
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
@@ -46,21 +56,27 @@ SideTriangles::SideTriangles(const Material& material) {
   std::vector<std::uint8_t> at;  // the sides of points
   at.reserve(material.points.size());
   for (const Vec3& point : material.points) at.push_back(sides_at(point));
-  const auto for_each = [&](auto visit) {
-    for (const auto& t : material.tetrahedra)
-      for (const auto& [a, b, c] : tetrahedron_faces)
-        if (const unsigned on = at[t[a]] & at[t[b]] & at[t[c]]; on != 0)
-          visit(static_cast<std::size_t>(std::countr_zero(on)), t[a], t[b], t[c]);
+  struct Face {
+    std::array<Index, 3> points;
+    unsigned side;
   };
-  for_each([&](std::size_t side, Index, Index, Index) { ++end_[side]; });
+  std::vector<Face> faces;
+  faces.reserve(material.tetrahedra.size());
+  for (const auto& t : material.tetrahedra)
+    for (const auto& [a, b, c] : tetrahedron_faces)
+      if (const unsigned on = at[t[a]] & at[t[b]] & at[t[c]]; on != 0) {
+        faces.push_back({{t[a], t[b], t[c]}, static_cast<unsigned>(std::countr_zero(on))});
+        ++end_[faces.back().side];
+      }
   std::partial_sum(end_.begin(), end_.end(), end_.begin());
   triangles_.resize(end_.back());
   std::array<std::size_t, 6> next{};
   std::copy(end_.begin(), end_.end() - 1, next.begin() + 1);
-  for_each([&](std::size_t side, Index a, Index b, Index c) {
+  for (const auto& [points, side] : faces) {
+    const auto& [a, b, c] = points;
     triangles_[next[side]++] = side_triangle(
         {material.points[a], material.points[b], material.points[c]}, cube_sides[side].axis);
-  });
+  }
 }
 
 const SideTriangles& SideTriangles::of_full_element() {
@@ -76,7 +92,7 @@ Covered covered(std::span<const SideTriangle> some, std::span<const SideTriangle
   Covered covered;
   for (const SideTriangle& triangle : some) {
     if (is_covered(triangle, others))
-      covered.area += triangle.area;
+      covered.area += triangle.area();
     else
       covered.is_all = false;
   }

@@ -14,8 +14,8 @@ namespace suture {
 struct SideTriangle {
   std::array<std::array<double, 2>, 3> x;
   std::array<double, 2> centroid;
-  double area;  ///< twice
 
+  double area() const;  ///< twice
   /// The corners in the cube.
   std::array<Vec3, 3> places(CubeSide side) const;
   bool contains(const std::array<double, 2>& p) const;

@@ -52,7 +52,7 @@ double lost(double before, double after) { return std::abs(after - before) / bef
 Round cut_suture(PluginHost& host, const std::string& model, const CutCase& c) {
   Round round;
   const double bytes = resident_bytes();
-  SutureCut body(host, model, c.mesh);
+  SutureCut body(host, model, c.mesh, c.cuts);
   round.bytes = resident_bytes() - bytes;
   const double mass = body.mass();
   for (const auto& faces : c.cuts) {

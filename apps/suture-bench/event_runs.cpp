@@ -211,7 +211,8 @@ std::vector<Operation> operations() {
        }},
       {"cut by two triangles",
        [=](const Cells& n, int round) {
-         const Vec3 p = place(n, round);
+         Vec3 p = place(n, round);
+         p[0] += block_edge;  // where the disc has not cut
          const double a = 2 * block_edge;
          TriangleSurface square{"square", {}, {{0, 1, 2}, {0, 2, 3}}};
          for (const auto& [y, z] : {std::pair{-a, -a}, {a, -a}, {a, a}, {-a, a}})

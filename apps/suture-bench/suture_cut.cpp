@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture-bench/suture_cut.hpp"
 
+#include <algorithm>
+
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/timer.hpp"
 
 namespace suture::bench {
 
-SutureCut::SutureCut(PluginHost& host, const std::string& name, Mesh mesh)
+SutureCut::SutureCut(PluginHost& host, const std::string& name, Mesh mesh,
+                     std::span<const std::vector<Dart>> cuts)
     : body_(import_mesh(std::move(mesh), {}, diagnostics_)) {
   const suture_model& model = host.model(name);
   body_.complex().require_edges();
@@ -17,6 +20,12 @@ SutureCut::SutureCut(PluginHost& host, const std::string& name, Mesh mesh)
   body_.compile(diagnostics_);
   dynamics_ = std::make_unique<Dynamics>(body_, DynamicsOptions{});
   limits_ = std::make_unique<StepLimits>(body_);
+  Index faces = 0, largest = 0;
+  for (const auto& cut : cuts) {
+    faces += static_cast<Index>(cut.size());
+    largest = std::max(largest, static_cast<Index>(cut.size()));
+  }
+  body_.make_room(faces, largest);
 }
 
 double SutureCut::cut(std::span<const Dart> faces) {

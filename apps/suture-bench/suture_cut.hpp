@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "kernel/dynamics/dynamics.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
@@ -16,7 +17,9 @@ namespace suture::bench {
 /// faces too, and the loops over cells ready to run.
 class SutureCut {
  public:
-  SutureCut(PluginHost& host, const std::string& model, Mesh mesh);
+  /// `cuts`: faces of those to come, for which room is made as in a run whose scene has them.
+  SutureCut(PluginHost& host, const std::string& model, Mesh mesh,
+            std::span<const std::vector<Dart>> cuts = {});
 
   /// Seconds that the operation took. Darts in the numbers of the mesh; translating them is not
   /// timed.

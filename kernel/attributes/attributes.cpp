@@ -257,6 +257,18 @@ void Attributes::apply(const CellComplex& complex, const TopologyChange& change)
   sums_.clear(change);
 }
 
+void Attributes::make_room(Index faces) {
+  const std::array<Index, 3> cells = cells_of_cut(faces);
+  const auto make_room_in = [&](std::span<Table, 4> tables) {
+    for (std::size_t d = 0; d < cells.size(); ++d)
+      for (Column& column : tables[d].columns)
+        column.make_room(std::min(cells[d], tables[d].cells.size()));
+  };
+  make_room_in(kernel_);
+  for (const auto& instance : instances_) make_room_in(instance->tables());
+  policies_.make_room(cells[1]);
+}
+
 void Attributes::add_copies(const CellComplex& complex, std::span<const Split> copies) {
   if (copies.empty()) return;
   kernel(3).cells.append_all(static_cast<Index>(copies.size()));

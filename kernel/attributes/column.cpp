@@ -79,6 +79,13 @@ void Column::resize(Index rows) {
   pad();
 }
 
+void Column::make_room(Index rows) {
+  if (constant_) return;
+  const std::size_t more = storage(size_ + rows) - storage(size_);
+  suture::make_room(data_, more);
+  if (has_trial()) suture::make_room(trial_, more);
+}
+
 void Column::set(Index row, int component, double value) {
   if (constant_ && data_[stored(row, component)] == value) return;
   expand();

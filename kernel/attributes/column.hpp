@@ -65,6 +65,8 @@ class Column {
   /// New rows get spec().initial, or the value of a constant column.
   /// O(new rows), unless the reserve is used up.
   void resize(Index rows);
+  /// Reserves room for so many new rows and touches its pages. O(rows).
+  void make_room(Index rows);
   double get(Index row, int component) const { return data_[stored(row, component)]; }
   /// Expands a constant column if the value differs from it.
   void set(Index row, int component, double value);

@@ -7,6 +7,7 @@
 #include "kernel/attributes/own_rest.hpp"
 #include "kernel/attributes/table.hpp"
 #include "kernel/attributes/touched.hpp"
+#include "kernel/base/bulk.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
@@ -26,6 +27,9 @@ class SplitPolicies {
   /// O(cells of the dimension in the change).
   void apply(Table& table, const CellComplex& complex, const RestPlaces& rest,
              const TouchedElements& touched, const TopologyChange& change);
+
+  /// Makes room for as many splits of the cells of one dimension. O(splits).
+  void make_room(Index splits) { suture::make_room(rows_, splits); }
 
   /// The rows that the last apply() added, in order; empty for a table without columns.
   std::span<const RowSplit> new_rows() const { return rows_; }

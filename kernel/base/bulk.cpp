@@ -1,15 +1,67 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/base/bulk.hpp"
 
+#include <malloc.h>
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstdlib>
+#include <mutex>
 
 namespace suture {
 namespace {
 
 constexpr std::size_t large_page = std::size_t{2} << 20;
+
+/// Blocks that were released, with the pages that they have. Two thirds of a large cut were the
+/// system's time for fresh pages: every cut got new memory for its change and returned it.
+class SpareBlocks {
+ public:
+  static constexpr std::size_t least = std::size_t{64} << 10, max_kept = std::size_t{128} << 20;
+
+  /// The smallest one that fits, unless most of it would be unused; null if there is none.
+  void* take(std::size_t bytes, std::size_t multiple) {
+    const std::lock_guard lock(mutex_);
+    Block* best = nullptr;
+    for (Block& block : blocks_) {
+      const bool fits = block.bytes >= bytes && block.bytes / 4 <= bytes &&
+                        reinterpret_cast<std::uintptr_t>(block.memory) % multiple == 0;
+      if (fits && (!best || block.bytes < best->bytes)) best = &block;
+    }
+    if (!best) return nullptr;
+    void* const memory = best->memory;
+    kept_ -= best->bytes;
+    *best = blocks_[--count_];
+    blocks_[count_] = {};
+    return memory;
+  }
+
+  /// False if there is no room for it.
+  bool keep(void* memory, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (count_ == blocks_.size() || kept_ + bytes > max_kept) return false;
+    blocks_[count_++] = {memory, bytes};
+    kept_ += bytes;
+    return true;
+  }
+
+ private:
+  struct Block {
+    void* memory = nullptr;
+    std::size_t bytes = 0;
+  };
+  std::mutex mutex_;
+  std::array<Block, 32> blocks_;
+  std::size_t count_ = 0, kept_ = 0;
+};
+
+/// Never destroyed: objects with static storage may release blocks after it.
+SpareBlocks& spare_blocks() {
+  static SpareBlocks& blocks = *new SpareBlocks;
+  return blocks;
+}
 
 }  // namespace
 
@@ -25,10 +77,25 @@ void* allocate_bulk(std::size_t bytes, std::size_t alignment) {
   const bool large = bytes >= large_page / 2;
   const std::size_t multiple = large ? large_page : std::max(alignment, sizeof(void*));
   const std::size_t size = (bytes + multiple - 1) / multiple * multiple;
+  if (size >= SpareBlocks::least)
+    if (void* const spare = spare_blocks().take(size, multiple)) return spare;
   void* const memory = std::aligned_alloc(multiple, size);
   if (!memory) throw std::bad_alloc();
   if (large) prefer_large_pages(memory, size);
   return memory;
+}
+
+void release_bulk(void* block) noexcept {
+  const std::size_t bytes = malloc_usable_size(block);
+  if (bytes >= SpareBlocks::least && spare_blocks().keep(block, bytes)) return;
+  std::free(block);
+}
+
+void touch_pages(void* begin, std::size_t bytes) noexcept {
+  constexpr std::size_t page = 4096;
+  volatile char* const memory = static_cast<char*>(begin);
+  for (std::size_t at = 0; at < bytes; at += page) memory[at] = 0;
+  if (bytes != 0) memory[bytes - 1] = 0;
 }
 
 }  // namespace suture

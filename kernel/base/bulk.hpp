@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
 #include <new>
 #include <type_traits>
 #include <utility>
@@ -17,8 +16,15 @@ namespace suture {
 void prefer_large_pages(void* begin, std::size_t bytes) noexcept;
 
 /// Allocates memory at a multiple of `alignment`; blocks of 1 MiB or more get their own large
-/// pages.
+/// pages. Blocks of 64 KiB or more are those that were released, if one fits: its pages need not
+/// be cleared again.
 void* allocate_bulk(std::size_t bytes, std::size_t alignment);
+
+/// Releases memory of allocate_bulk(). Keeps up to 128 MiB for later calls.
+void release_bulk(void* block) noexcept;
+
+/// Writes to each page of a range whose contents do not matter.
+void touch_pages(void* begin, std::size_t bytes) noexcept;
 
 /// Allocator for arrays that are filled in one go: resize() leaves new elements uninitialised, so
 /// they must be written before they are read.
@@ -30,7 +36,7 @@ struct BulkAllocator {
   template <class U>
   BulkAllocator(const BulkAllocator<U>&) noexcept {}  // NOLINT(google-explicit-constructor)
   T* allocate(std::size_t n) { return static_cast<T*>(allocate_bulk(n * sizeof(T), alignof(T))); }
-  void deallocate(T* p, std::size_t) noexcept { std::free(p); }
+  void deallocate(T* p, std::size_t) noexcept { release_bulk(p); }
   template <class U>
   void construct(U* p) noexcept {
     ::new (static_cast<void*>(p)) U;
@@ -44,5 +50,14 @@ struct BulkAllocator {
 
 template <class T>
 using BulkVector = std::vector<T, BulkAllocator<T>>;
+
+/// Reserves room for `more` items and touches its pages: appending the items then neither copies
+/// nor waits for the system. Items are trivially copyable. O(more).
+template <class Vector>
+void make_room(Vector& items, std::size_t more) {
+  static_assert(std::is_trivially_copyable_v<typename Vector::value_type>);
+  items.reserve(items.size() + more);
+  touch_pages(items.data() + items.size(), more * sizeof(typename Vector::value_type));
+}
 
 }  // namespace suture

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/base/message_text.hpp"
 
-#include <sstream>
+#include <array>
+#include <charconv>
 
 namespace suture {
 
 std::string time_text(double time) {
-  std::ostringstream text;
-  text << "t = " << time << " s";
-  return text.str();
+  std::array<char, 32> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), time,
+                                 std::chars_format::general, 6)
+                       .ptr;
+  return "t = " + std::string(digits.data(), end) + " s";
 }
 
 std::string timed(double time, const std::string& text) {

@@ -132,6 +132,10 @@ class Body {
   /// the constraints, in the order of registration. It must outlive the last operation.
   void add_follower(Follower& follower) { followers_.push_back(&follower); }
 
+  /// Makes room everywhere, before the run needs it, for what cuts of `faces` faces add, the
+  /// largest of them of `largest`. O(faces).
+  void make_room(Index faces, Index largest);
+
   // Operations of CellComplex, after which everything is updated. They throw the errors of the
   // complex; nothing has changed then.
   TopologyChange cut(const std::vector<Dart>& faces);

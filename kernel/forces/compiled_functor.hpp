@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
+#include "kernel/base/bulk.hpp"
 #include "kernel/forces/batch_list.hpp"
 #include "kernel/forces/checked_force.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
@@ -22,6 +23,9 @@ class RowNodes {
   RowNodes(const Instance& instance, const suture_functor& functor, const RestPlaces& rest);
   /// O(cells in the change); of lips O(n log n) for all n pairs.
   void update(const RestPlaces& rest, const TopologyChange& change);
+  /// Makes room for so many new rows. O(rows).
+  void make_room(Index rows) { suture::make_room(nodes_, rows * node_count_); }
+  int dimension() const { return dimension_; }
   /// To be called after state() of the attributes.
   void state(Archive& archive);
   const Index* data() const { return nodes_.data(); }

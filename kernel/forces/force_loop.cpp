@@ -402,6 +402,11 @@ void ForceLoop::follow(const CellComplex& complex, const TopologyChange& change)
   for (CompiledFunctor& functor : impl_->functors) functor.update(complex, change);
 }
 
+void ForceLoop::make_room(Index faces) {
+  for (RowNodes& nodes : impl_->row_nodes)
+    nodes.make_room(cells_of_cut(faces)[static_cast<std::size_t>(nodes.dimension())]);
+}
+
 namespace {
 
 /// Items that a state reads into but of which it makes none.

@@ -69,6 +69,9 @@ class ForceLoop final : public ForceTerm,
   void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      std::vector<Vec3>& forces) override;
 
+  /// Makes room in the lists of rows for what a cut of `faces` faces adds. O(faces).
+  void make_room(Index faces);
+
   /// The work of functors without an energy, if others have one.
   double work() const override;
   bool books_work() const { return has(Part::without_energy) && has(Part::with_energy); }

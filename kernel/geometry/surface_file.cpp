@@ -2,8 +2,11 @@
 #include "kernel/geometry/surface_file.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 
@@ -65,12 +68,69 @@ std::string plural(std::size_t n, const std::string& one, const std::string& man
   return grouped(n) + " " + (n == 1 ? one : many);
 }
 
+constexpr std::size_t stl_header = 84, stl_triangle = 50;
+
+/// Gives equal places one number, in the order in which they come first.
+class PointNumbers {
+ public:
+  PointNumbers(std::vector<Vec3>& points, std::size_t most)
+      : points_(points), slots_(std::bit_ceil(most + most / 4 + 1), none) {}
+
+  Index number(const std::array<float, 3>& place) {
+    const Vec3 point{place[0], place[1], place[2]};
+    const std::size_t mask = slots_.size() - 1;
+    for (std::size_t slot = hash(place) & mask;; slot = (slot + 1) & mask) {
+      if (slots_[slot] == none) {
+        slots_[slot] = static_cast<Index>(points_.size());
+        points_.push_back(point);
+      }
+      if (points_[slots_[slot]] == point) return slots_[slot];
+    }
+  }
+
+ private:
+  static std::size_t hash(const std::array<float, 3>& place) {
+    std::uint64_t mixed = 0;
+    for (const float x : place) {
+      mixed = (mixed ^ std::bit_cast<std::uint32_t>(x + 0.F)) * 0x9E3779B97F4A7C15u;  // -0 is 0
+      mixed ^= mixed >> 29;
+    }
+    return mixed;
+  }
+
+  std::vector<Vec3>& points_;
+  std::vector<Index> slots_;  ///< at most 4/5 are taken
+};
+
+/// A binary file without anything else in it, whose coordinates are finite: 80 bytes, a count n and
+/// n times a normal, three corners and 2 bytes. CGAL takes ten times as long. False for others.
+bool read_binary_stl(std::string_view text, PolygonSoup& soup) {
+  std::uint32_t n = 0;
+  if (text.size() < stl_header || text.starts_with("solid")) return false;
+  std::memcpy(&n, text.data() + stl_header - sizeof n, sizeof n);
+  if (n == 0 || text.size() != stl_header + stl_triangle * n) return false;
+  PolygonSoup read;
+  PointNumbers numbers(read.points, std::size_t{3} * n);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    std::array<std::array<float, 3>, 4> rows;  // the normal, then the corners
+    std::memcpy(rows.data(), text.data() + stl_header + stl_triangle * i, sizeof rows);
+    for (std::size_t corner = 1; corner < rows.size(); ++corner) {
+      if (!std::ranges::all_of(rows[corner], [](float x) { return std::isfinite(x); }))
+        return false;
+      read.corners.push_back(numbers.number(rows[corner]));
+    }
+    read.offsets.push_back(3 * (i + 1));
+  }
+  soup = std::move(read);
+  return true;
+}
+
 // A binary file is 80 bytes, a count n, 50 bytes per triangle; CGAL takes it for text if it begins
 // with "solid", and for text too if it does not, where it fails.
 PolygonSoup read_stl(const FileText& file) {
   PolygonSoup soup;
   const std::string_view text = file.view();
-  if (geometry_module().read_stl(text, soup)) return soup;
+  if (read_binary_stl(text, soup) || geometry_module().read_stl(text, soup)) return soup;
   if (text.starts_with("solid"))
     throw InputError(
         file.name() +

@@ -15,8 +15,9 @@ class RemovalWatch {
  public:
   RemovalWatch(const Scene& scene, BuiltScene& built) : scene_(scene), built_(built) {}
 
-  /// Call before these elements are removed. The first call evaluates the selections of all loads
-  /// and constraints; later calls are O(removed elements).
+  /// Evaluates the selections of all loads and constraints, unless that has been done. O(vertices).
+  void find_holders();
+  /// Call before these elements are removed. Calls find_holders(); otherwise O(removed elements).
   void before(std::span<const Index> elements);
   /// Call after the removal; returns the warnings. O(elements) per load or constraint that lost
   /// something, until nothing is left of it.
@@ -33,7 +34,6 @@ class RemovalWatch {
     std::vector<Index> nodes{};  ///< of the elements to be removed
     bool loses = false, reported = false, is_empty = false;
   };
-  void find_holders();
   void add(std::string path, const Selection& where, int corners, bool by_nodes);
   bool carries(Index element, const Holder& holder) const;
 

@@ -73,6 +73,7 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   if (built_.dynamics().newton()) decisions_.push_back({"linear solver", false, describe_solver()});
   if (check_plugins) check_bounds();
   deliver_plugin_warnings(diagnostics);
+  events_.make_ready();
   trim_heap();  // of the search
 }
 

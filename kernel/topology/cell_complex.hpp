@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
@@ -106,6 +107,13 @@ struct TopologyChange {
   std::vector<Split> successors() const;
 };
 
+/// The vertices, edges and faces that are new after a cut of `faces` faces, nearly all of which are
+/// in a surface that divides the body or forms a part of one.
+inline std::array<Index, 3> cells_of_cut(Index faces) {
+  const auto rim = static_cast<Index>(4 * std::sqrt(double(faces))) + 8;
+  return {faces + rim, 2 * faces + rim, faces};
+}
+
 /// The combinatorial 3-map of a set of hexahedra. Darts, numbered 24 e + 4 f + k, are not stored:
 /// beta0..beta2 are tables, and beta3 is one word per face.
 ///
@@ -194,6 +202,10 @@ class CellComplex {
   /// are assigned by cut face (smallest dart first), within a face by dart, and around a cell by
   /// smallest element. O(faces cut), independent of the size of the map.
   TopologyChange cut(std::span<const Dart> faces);
+  /// Makes room for what cuts of `faces` faces add, the largest of them of `largest`, in memory
+  /// whose pages have been touched: the system's time for fresh pages is most of that of a large
+  /// cut. O(faces).
+  void make_room(Index faces, Index largest);
   /// True if the dart exists and its face separates two elements.
   bool can_cut(Dart face) const { return face / 24 < element_count() && beta3(face) != none; }
 
@@ -268,7 +280,7 @@ class CellComplex {
   // cut.cpp
   struct StarFlood;
   struct StarWork;
-  std::vector<incidence::Link> mark_leaving(std::span<const Dart> faces);
+  BulkVector<incidence::Link> mark_leaving(std::span<const Dart> faces);
   /// Whether an operation removes links only, or elements too.
   enum class Loss { links, elements };
   template <Loss What>

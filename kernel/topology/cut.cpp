@@ -25,9 +25,10 @@ void reserve(TopologyChange& change, int dimension, std::size_t faces) {
 }
 
 /// As they are, where nothing is to be done.
-std::vector<std::uint32_t> sorted(std::vector<std::uint32_t> values) {
+template <class Values>
+Values sorted(Values values) {
   if (std::ranges::is_sorted(values)) return values;
-  std::vector<std::uint32_t> spare;
+  Values spare;
   radix_sort(values, spare, [](std::uint32_t value) { return value; });
   return values;
 }
@@ -79,6 +80,21 @@ struct CellComplex::StarWork {
   std::array<std::vector<Index>, 2> touched{};  ///< and marked, but those that split in halves
 };
 
+void CellComplex::make_room(Index faces, Index largest) {
+  const std::array<Index, 3> cells = cells_of_cut(faces);
+  const auto touch = [](auto& items) { suture::make_room(items, items.capacity() - items.size()); };
+  TopologyChange change;  // the cut gets its memory, which is kept when it is released
+  for (int d = 0; d < 3; ++d) {
+    if (count(d) == 0) continue;
+    suture::make_room(first_dart_[d], cells[d]);
+    reserve(change, d, largest);
+    touch(change.splits[d]);
+    touch(change.stars[d].cells);
+    touch(change.stars[d].offsets);
+    touch(change.stars[d].darts);
+  }
+}
+
 /*        before                            after
  *
  *    v-------w-------v'              v-------w     w'-------v'
@@ -95,7 +111,7 @@ struct CellComplex::StarWork {
  * the cut faces are examined.
  */
 TopologyChange CellComplex::cut(std::span<const Dart> faces) {
-  const std::vector<Link> cut_faces = mark_leaving(faces);
+  const BulkVector<Link> cut_faces = mark_leaving(faces);
   has_operated_ = true;
   TopologyChange change;
   change.faces_cut = static_cast<Index>(cut_faces.size());
@@ -106,7 +122,7 @@ TopologyChange CellComplex::cut(std::span<const Dart> faces) {
 
 /// Marks the links that the cut removes; returns each cut face as the first dart of
 /// its smaller side, ascending: from here on the order of the request is forgotten.
-std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
+BulkVector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
   for (const Dart d : faces)
     if (!can_cut(d))
       throw TopologyError(
@@ -117,7 +133,7 @@ std::vector<Link> CellComplex::mark_leaving(std::span<const Dart> faces) {
                     "; only a face between two elements can be cut"
               : "dart " + std::to_string(d) + " does not exist: the map has " +
                     std::to_string(element_count()) + " elements");
-  std::vector<Link> result;
+  BulkVector<Link> result;
   result.reserve(faces.size());
   for (const Dart d : faces) {
     Link& link = links_[d / 4];

@@ -38,6 +38,30 @@ TEST(Column, VertexVectorsLieInAlignedRowsOfFour) {
   EXPECT_EQ(Column(spec(6), 0).stride(), 6);
 }
 
+TEST(Column, RoomIsMadeWithoutRowsAndKeepsAllValues) {
+  for (const int dimension : {0, 1}) {
+    Column column(spec(3, 2.5, SUTURE_TRIAL), dimension);
+    column.resize(11);
+    for (Index row = 0; row < 11; ++row)
+      for (int c = 0; c < 3; ++c) column.set(row, c, 10 * row + c);
+    column.make_room(5000);
+    ASSERT_EQ(column.size(), 11u);
+    const double* const before = dimension == 0 ? column.rows() : column.block(0);
+    column.resize(5011);
+    EXPECT_EQ(dimension == 0 ? column.rows() : column.block(0), before);
+    for (Index row = 0; row < 11; ++row)
+      for (int c = 0; c < 3; ++c) ASSERT_EQ(column.get(row, c), 10 * row + c);
+    for (Index row = 11; row < 5011; ++row) {
+      ASSERT_EQ(column.get(row, 2), 2.5);
+      ASSERT_EQ(column.trial(row, 2), 2.5);
+    }
+  }
+  Column constant(spec(1, 4), 1);
+  constant.resize(3);
+  constant.make_room(100);
+  EXPECT_TRUE(constant.is_constant());
+}
+
 TEST(Column, CellsLieInBlocksOfEightLanesFastest) {
   Column column(spec(2), 1);
   column.resize(19);

@@ -18,12 +18,12 @@ TEST(Bulk, MemoryIsAlignedAndLargePagesWhereItIsLarge) {
   for (const std::size_t bytes : {std::size_t{1}, std::size_t{100}, large_page / 2 - 1}) {
     void* const memory = allocate_bulk(bytes, 64);
     EXPECT_TRUE(is_aligned(memory, 64)) << bytes;
-    std::free(memory);
+    release_bulk(memory);
   }
   for (const std::size_t bytes : {large_page / 2, large_page, 3 * large_page + 5}) {
     void* const memory = allocate_bulk(bytes, 4);
     EXPECT_TRUE(is_aligned(memory, large_page)) << bytes;
-    std::free(memory);
+    release_bulk(memory);
   }
 }
 
@@ -42,6 +42,34 @@ TEST(Bulk, PagesThatWereWrittenKeepWhatTheyHold) {
   prefer_large_pages(written.data(), written.size() * sizeof(written[0]));
   prefer_large_pages(written.data() + 1, 12);  // holds no page
   for (std::uint32_t i = 0; i < written.size(); ++i) ASSERT_EQ(written[i], i + 7);
+}
+
+TEST(Bulk, ReleasedBlocksServeAgainIfTheyFit) {
+  constexpr std::size_t size = std::size_t{400} << 10;
+  void* const first = allocate_bulk(size, 64);
+  release_bulk(first);
+  void* const second = allocate_bulk(size - 100, 64);
+  EXPECT_EQ(second, first);
+  void* const larger = allocate_bulk(4 * size, 64);
+  EXPECT_NE(larger, first);
+  release_bulk(second);
+  void* const smaller = allocate_bulk(size / 5, 64);
+  EXPECT_NE(smaller, first) << "most of it would be unused";
+  void* const third = allocate_bulk(size, 64);
+  EXPECT_EQ(third, first);
+  for (void* const block : {smaller, larger, third}) release_bulk(block);
+}
+
+TEST(Bulk, RoomIsMadeWithoutItemsAndKeepsThoseThereAre) {
+  std::vector<std::uint32_t> items(1000);
+  std::iota(items.begin(), items.end(), 3u);
+  make_room(items, 100'000);
+  ASSERT_EQ(items.size(), 1000u);
+  ASSERT_GE(items.capacity(), 101'000u);
+  for (std::uint32_t i = 0; i < items.size(); ++i) ASSERT_EQ(items[i], i + 3);
+  const std::uint32_t* const before = items.data();
+  items.resize(101'000);
+  EXPECT_EQ(items.data(), before);
 }
 
 }  // namespace

@@ -7,9 +7,11 @@
 #include <bit>
 #include <cstring>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
+#include "kernel/geometry/geometry_module.hpp"
 #include "tests/geometry/surfaces.hpp"
 
 namespace suture {
@@ -198,6 +200,34 @@ TEST(SurfaceFile, SaysThatStlIsTruncated) {
       read_error("t.stl", "solid " + std::string(80, 's') + "\nfacet normal 0 0 1\nouter loop\n")
           .find("no triangles before 'endsolid'"),
       std::string::npos);
+}
+
+// On a lattice whose places meet often, zeros of both signs among them.
+TEST(SurfaceFile, ReadsBinaryStlAsCgalDoes) {
+  std::mt19937 random(1);
+  std::string text(80, 'x');
+  const auto put = [&](auto value) {
+    const std::size_t end = text.size();
+    text.resize(end + sizeof value);
+    std::memcpy(text.data() + end, &value, sizeof value);
+  };
+  constexpr std::uint32_t triangles = 2000;
+  put(triangles);
+  for (std::uint32_t i = 0; i < triangles; ++i) {
+    for (int c = 0; c < 3; ++c) put(0.F);
+    for (int c = 0; c < 9; ++c) {
+      const float place = 0.1F * static_cast<float>(static_cast<int>(random() % 15) - 7);
+      put(place == 0 && random() % 2 == 0 ? -0.F : place);
+    }
+    put(std::uint16_t{0});
+  }
+  PolygonSoup expected;
+  ASSERT_TRUE(geometry_module().read_stl(text, expected));
+  const PolygonSoup read = read_soup(file_with("lattice.stl", text));
+  EXPECT_LT(read.points.size(), 3 * triangles);
+  EXPECT_EQ(read.points, expected.points);
+  EXPECT_EQ(read.corners, expected.corners);
+  EXPECT_EQ(read.offsets, expected.offsets);
 }
 
 // Values of every type, in both orders of bytes.

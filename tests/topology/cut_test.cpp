@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "kernel/base/error.hpp"
 #include "tests/topology/changes.hpp"
 #include "tests/topology/meshes.hpp"
@@ -109,6 +111,29 @@ TEST(Cut, WithoutEdgeAndFaceIdsSplitsTheSameVertices) {
   lean.validate();
   EXPECT_EQ(lean.count(1), full.count(1));
   EXPECT_EQ(lean.count(2), full.count(2));
+}
+
+TEST(Cut, DoesTheSameInRoomThatWasMadeForIt) {
+  constexpr Index side = 120;
+  CellComplex map = complex_of(grid(side, side, 2)), ready = map;
+  std::vector<Dart> faces;
+  for (Index e = 0; e < side * side; ++e) faces.push_back(24 * e + 4 * 5);
+  ready.make_room(side * side, side * side);
+  EXPECT_EQ(ready.count(0), map.count(0));
+  for (int repetition = 0; repetition < 2; ++repetition) {  // in the memory of the change before
+    CellComplex cut = map, cut_ready = ready;
+    const TopologyChange change = cut.cut(faces), in_room = cut_ready.cut(faces);
+    cut_ready.validate();
+    ASSERT_EQ(change.splits[1].size(), 2 * side * (side + 1));
+    for (int d = 0; d < 3; ++d) {
+      EXPECT_TRUE(std::ranges::equal(change.stars[d].cells, in_room.stars[d].cells));
+      EXPECT_TRUE(std::ranges::equal(change.stars[d].offsets, in_room.stars[d].offsets));
+      EXPECT_TRUE(std::ranges::equal(change.stars[d].darts, in_room.stars[d].darts));
+      ASSERT_EQ(cut.count(d), cut_ready.count(d));
+      for (Index i = 0; i < cut.count(d); ++i)
+        ASSERT_EQ(cut.dart_of(d, i), cut_ready.dart_of(d, i));
+    }
+  }
 }
 
 TEST(Cut, IntoSingleElements) {

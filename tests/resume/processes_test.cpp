@@ -19,6 +19,7 @@
 
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/output/collection.hpp"
+#include "kernel/output/frame_pieces.hpp"
 #include "tests/base/variable.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/resume/process.hpp"
@@ -182,7 +183,7 @@ Case cut_beam() {
 }
 
 /// What a frame shows in its elements, one after the other: all numbers of their corners, and their
-/// own.
+/// own. Pieces number their points, too.
 std::vector<double> elements_of(const fs::path& frame) {
   std::vector<fs::path> files;
   for (const std::string& piece : pieces_of(frame.parent_path(), frame.filename()))
@@ -195,12 +196,14 @@ std::vector<double> elements_of(const fs::path& frame) {
     for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) {
       for (const Index v : mesh.hexahedra[e])
         numbers.insert(numbers.end(), mesh.points[v].begin(), mesh.points[v].end());
-      for (const MeshArray& array : mesh.arrays)
+      for (const MeshArray& array : mesh.arrays) {
+        if (array.name == point_in_frame) continue;
         for (const Index row : array.of_elements ? std::vector{static_cast<Index>(e)}
                                                  : std::vector<Index>(mesh.hexahedra[e].begin(),
                                                                       mesh.hexahedra[e].end()))
           for (std::size_t c = 0; c < array.components; ++c)
             numbers.push_back(array.values[row * array.components + c]);
+      }
     }
   }
   return numbers;

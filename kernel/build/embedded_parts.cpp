@@ -214,6 +214,14 @@ void EmbeddedParts::close(std::vector<Dart> closed) {
 
 void EmbeddedParts::state(Archive& archive) {
   if (!archive.has_cells()) return;
+  std::vector<std::array<Index, 2>> sides;
+  for (const auto& [side, cut] : cut_of_side_) sides.push_back({side, cut});
+  std::ranges::sort(sides);
+  archive("cut of side", sides);
+  if (archive.loads()) {
+    cut_of_side_.clear();
+    for (const auto& [side, cut] : sides) cut_of_side_[side] = cut;
+  }
   archive("has grown", has_grown_);
   if (!has_grown_) return;
   archive("elements", parts_.elements);
@@ -226,14 +234,7 @@ void EmbeddedParts::state(Archive& archive) {
   archive("is cut", parts_.is_cut);
   archive("outer sides", parts_.outer_sides);
   archive("cut of triangle", cut_of_triangle_);
-  std::vector<std::array<Index, 2>> sides;
-  for (const auto& [side, cut] : cut_of_side_) sides.push_back({side, cut});
-  std::ranges::sort(sides);
-  archive("cut of side", sides);
   is_current_ = false;
-  if (!archive.loads()) return;
-  cut_of_side_.clear();
-  for (const auto& [side, cut] : sides) cut_of_side_[side] = cut;
 }
 
 }  // namespace suture

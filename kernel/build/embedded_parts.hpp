@@ -36,7 +36,7 @@ class EmbeddedParts final : public Follower {
   /// Elements are joined by these seams, or will be: of their sides, the surface is what they do
   /// not cover of each other. O(triangles).
   void join(std::span<const Seam> seams);
-  /// Saves what was appended, and the rest with it.
+  /// Saves which cuts have opened sides, and the parts if some were appended.
   void state(Archive& archive);
   /// O(parts) at first and after an operation, else free.
   const Embedding& embedding(const CellComplex& complex) {

@@ -122,6 +122,11 @@ class Contact final : public ContactLaw {
   void prepare(const ContactStep& step) override;
   std::span<const Correction> resolve(const ContactStep& step) override;
   void restart() override;
+  bool marks_vertices() const override { return !points_ && !edges_; }
+  double* kept_forces() override { return forces_.data(); }
+  void mark_vertices(std::vector<bool>& marks) const override {
+    for (const Index v : surface_.vertices()) marks[v] = true;
+  }
 
   /// The motion of a compliant obstacle, null of others.
   const Tool* tool(std::size_t obstacle) const {

@@ -43,8 +43,19 @@ FieldEquation& Body::field(std::string_view name) {
 
 void Body::share(std::unique_ptr<BodyShare> share) {
   share_ = std::move(share);
-  models_->share(*share_);
+  models_->share(*share_, [this](std::vector<bool>& marks) { mark_vertices(marks); });
   attributes_.partial_rows().complete_by([this](double* rows) { share_->complete({rows, 4}); });
+}
+
+bool Body::marks_vertices() const {
+  return (!contact_ || contact_->is_term() || contact_->marks_vertices()) &&
+         std::ranges::all_of(loads(), [](const auto& term) { return term->marks_vertices(); });
+}
+
+/// Also of terms that read others, too: then nothing is divided.
+void Body::mark_vertices(std::vector<bool>& marks) const {
+  for (const auto& term : loads()) term->mark_vertices(marks);
+  if (contact_) contact_->mark_vertices(marks);
 }
 
 void Body::check_plugins() {
@@ -354,6 +365,8 @@ void Body::state(Archive& archive) {
     for (const auto& term : terms_) archive(term->name(), *term);
   });
   for (FieldEquation& field : fields_) archive(("field " + field.field().name).c_str(), field);
+  if (archive.has_cells() && archive.loads() && share_)
+    models_->find_share();  // a pass may follow without another evaluation
 }
 
 }  // namespace suture

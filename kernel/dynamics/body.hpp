@@ -72,6 +72,7 @@ class Body {
   Term& add(std::unique_ptr<Term> term) {
     Term& added = *term;
     terms_.push_back(std::move(term));
+    if (share_) models_->find_share();
     return added;
   }
   /// The term of the models; after compile().
@@ -85,6 +86,9 @@ class Body {
   /// From now on several processes hold this body, and this one computes a share of it.
   void share(std::unique_ptr<BodyShare> share);
   BodyShare* share() { return share_.get(); }  ///< null if this process is alone
+  /// Whether loads and contact read and change marked vertices only (ForceTerm::marks_vertices()):
+  /// each process then has these, and computes all loads and contact.
+  bool marks_vertices() const;
 
   /// The equations of the fields that models declare; after compile().
   std::deque<FieldEquation>& fields() { return fields_; }
@@ -165,6 +169,7 @@ class Body {
   template <class Operate>
   TopologyChange change(const ComingOperation& operation, Operate operate);
   void follow(const TopologyChange& change);
+  void mark_vertices(std::vector<bool>& marks) const;
   void name_copies(std::span<const Index> imported);
   std::vector<Index> around(std::vector<Index> vertices) const;
   void follow_copies(const TopologyChange& change);

@@ -66,13 +66,17 @@ void Motion::evaluate(double dt) {
   evaluated_ = false;
   const bool divides = this->divides();
   double* rows = body_.attributes().force().rows();
+  PartialRows& partial = body_.attributes().partial_rows();
   try {
-    for (const auto& term : body_.terms())
+    for (const auto& term : body_.terms()) {
+      // Loads have their vertices; gravity may book its work on all of them.
+      const PartialRows::OwnIsEnough own(partial, divides && !term->adds_no_rows());
       if (divides && term.get() == &body_.models())
         body_.models().add_own_forces({time_, dt, last_}, rows);
       else
         term->add_forces_in_step({time_, dt, last_}, moving(), rows);
-    body_.attributes().partial_rows().set(PartialRows::force, divides);
+    }
+    partial.set(PartialRows::force, divides);
     require_finite_reactions(divides);
   } catch (...) {
     clear_forces();  // passes rely on zeros; the state before the step is whole
@@ -177,11 +181,10 @@ loops::Motion Motion::pass(std::span<const Kick> kicks) const {
   return m;
 }
 
-/// Whether this process makes passes over its own vertices and the common ones only. Other bodies,
-/// such as those in contact, may need all vertices anywhere.
+/// Whether this process makes passes over its own vertices and the common ones only.
 bool Motion::divides() const {
-  return body_.models().may_divide() && !frozen_ && !body_.contact() && body_.fields().empty() &&
-         !body_.has_loads();
+  return body_.models().may_divide() && !frozen_ && body_.fields().empty() &&
+         body_.marks_vertices();
 }
 
 /// chunk(number, first vertex, end) for all vertices, or for those of this process; true if each
@@ -246,7 +249,9 @@ bool Motion::join_pass(bool good) {
   Attributes& attributes = body_.attributes();
   BodyShare& share = *body_.share();
   std::vector<double*> read{attributes.position().rows()};
-  if (body_.models().reads_velocity()) read.push_back(attributes.velocity().rows());
+  ContactLaw* const contact = body_.contact();
+  if (body_.models().reads_velocity() || contact) read.push_back(attributes.velocity().rows());
+  if (contact) read.push_back(contact->kept_forces());
   share.join_borders(read);
   PartialRows& partial = attributes.partial_rows();
   double* const force = attributes.force().rows();
@@ -267,8 +272,7 @@ bool Motion::join_pass(bool good) {
 
 void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, double unseen) {
   const bool divides = this->divides();
-  std::optional<PartialRows::OwnIsEnough> own;
-  if (divides) own.emplace(body_.attributes().partial_rows());
+  const PartialRows::OwnIsEnough own(body_.attributes().partial_rows(), divides);
   loops::Motion m = pass(kicks);
   m.drift = dt;
   const auto run = kicks.size() == 2 ? loops_.kick_kick_drift : loops_.kick_drift;
@@ -293,7 +297,6 @@ void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, 
     return true;
   });
   if (divides) good = join_pass(good);
-  own.reset();
   if (!good) refuse_not_finite();
   is_placed_ = keeps_blocks;
   const double contact = has_impulses ? resolve_contact(step) : 0;
@@ -358,6 +361,7 @@ void Motion::refuse_vertex(const char* what, Index vertex) const {
 }
 
 void Motion::refuse_not_finite() const {
+  const PartialRows::OwnIsEnough all(body_.attributes().partial_rows(), false);
   const Column& velocity = body_.attributes().velocity();
   Index vertex = 0;
   while (vertex + 1 < velocity.size() && is_finite(velocity, vertex)) ++vertex;

@@ -64,6 +64,13 @@ class ContactLaw : public Follower {
   /// call.
   virtual std::span<const Correction> resolve(const ContactStep& step) = 0;
   virtual void restart() = 0;
+  /// True if resolve() reads positions, velocities and kept_forces() at marked vertices only, and
+  /// changes no others (ForceTerm::marks_vertices()).
+  virtual bool marks_vertices() const = 0;
+  /// What prepare() has kept, in rows of 4.
+  virtual double* kept_forces() = 0;
+  /// O(vertices marked).
+  virtual void mark_vertices(std::vector<bool>& marks) const = 0;
 
   // ---- the last step ----
 

@@ -223,6 +223,11 @@ void DeadLoads::add_forces_at(const VertexSelection&, std::span<const Index> ver
   }
 }
 
+void DeadLoads::mark_vertices(std::vector<bool>& marks) const {
+  for (const Load& load : loads_)
+    for (const Nodal& nodal : load.nodal) marks[nodal.vertex] = true;
+}
+
 /// sum f . (x - X)
 double DeadLoads::value(const Load& load) const {
   double sum = 0;

@@ -43,6 +43,8 @@ class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
   void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      std::vector<Vec3>& forces) override;
   bool adds_no_rows() const override { return loads_.empty(); }
+  bool marks_vertices() const override { return true; }
+  void mark_vertices(std::vector<bool>& marks) const override;
   /// - sum f . (x - X) over the corners, J.
   double potential(double time) override;
   double work() const override { return work_; }

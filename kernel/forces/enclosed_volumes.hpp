@@ -40,6 +40,10 @@ class EnclosedVolumes final : public ForceTerm,
   void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      std::vector<Vec3>& forces) override;
   bool adds_no_rows() const override { return surfaces_.empty(); }
+  bool marks_vertices() const override { return true; }
+  void mark_vertices(std::vector<bool>& marks) const override {
+    if (pressures_) pressures_->mark_vertices(marks);
+  }
   bool is_stiff() const override { return !surfaces_.empty(); }
   void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
                    double* out) override;

@@ -131,8 +131,13 @@ void ForceLoop::accept() {
 
 // ------------------------------------------------------------------- shares --
 
-void ForceLoop::share(BodyShare& share) {
+void ForceLoop::share(BodyShare& share, std::function<void(std::vector<bool>&)> mark_others) {
   impl_->share = &share;
+  impl_->mark_others = std::move(mark_others);
+  find_share();
+}
+
+void ForceLoop::find_share() {
   impl_->forget_shares();
   impl_->find_share();
 }
@@ -153,6 +158,7 @@ void ForceLoop::Impl::find_share() {
         for (Index row = rows.begin; row < rows.end; ++row)
           for (const Index vertex : cells.of(row)) read[vertex] = true;
   }
+  mark_others(read);
   share->read(read);
 }
 
@@ -441,7 +447,6 @@ void ForceLoop::state(Archive& archive) {
   });
   if (!archive.loads()) return;
   i.forget_shares();
-  if (i.share) i.find_share();  // a pass may follow without another evaluation
 }
 
 std::vector<ForceLoop::Summary> ForceLoop::summary() const {

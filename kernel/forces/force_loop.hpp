@@ -179,7 +179,10 @@ class ForceLoop final : public ForceTerm,
 
   /// From now on this process computes its share of the forces and of the energies; others compute
   /// the rest. Functors that keep states are computed by all. The share outlives the loop.
-  void share(BodyShare& share);
+  /// `mark_others`: marks the vertices that other terms and contact read.
+  void share(BodyShare& share, std::function<void(std::vector<bool>&)> mark_others);
+  /// Call when these have changed other than by an operation. O(cells).
+  void find_share();
   /// Whether forces at own vertices of the share are enough for a step: there is one, and no
   /// functor keeps states, reads fields, or has its work booked.
   bool may_divide() const;

@@ -41,6 +41,11 @@ class ForceTerm : public Follower {
                              double time, std::vector<Vec3>& forces) = 0;
   /// True if it never adds to rows, like gravity or empty loads.
   virtual bool adds_no_rows() const { return false; }
+  /// True if it adds no rows, or if these depend on the time, its own state and the positions of
+  /// marked vertices alone, and are theirs: then each of several processes needs no others.
+  virtual bool marks_vertices() const { return adds_no_rows(); }
+  /// marks[v] = true at these, as they are in the complex now. O(vertices marked).
+  virtual void mark_vertices(std::vector<bool>& /*marks*/) const {}
   /// A uniform acceleration, m/s^2, which the passes over the vertices add.
   virtual Vec3 acceleration(double /*time*/) const { return {}; }
 

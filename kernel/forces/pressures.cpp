@@ -200,6 +200,13 @@ bool PressuresOn<Face>::is_conservative(double time) {
 }
 
 template <class Face>
+void PressuresOn<Face>::mark_vertices(std::vector<bool>& marks) const {
+  for (const Load& load : loads_)
+    for (const Nodes& nodes : load.nodes)
+      for (const Index v : nodes) marks[v] = true;
+}
+
+template <class Face>
 void PressuresOn<Face>::forget_last() {
   is_booked_ = false;
   for (Load& load : loads_) load.booked.clear();

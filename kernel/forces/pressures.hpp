@@ -56,6 +56,8 @@ class PressuresOn final : public ForceTerm,
   void add_forces_at(const VertexSelection& selection, std::span<const Index> vertices, double time,
                      std::vector<Vec3>& forces) override;
   bool adds_no_rows() const override { return loads_.empty(); }
+  bool marks_vertices() const override { return true; }
+  void mark_vertices(std::vector<bool>& marks) const override;
   bool is_stiff() const override { return !loads_.empty(); }
   void add_tangent(const double* d, double dx, double dv, const TangentTime& at,
                    double* out) override;

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t block_size = 512;
-constexpr std::uint64_t format = 8;
+constexpr std::uint64_t format = 9;
 constexpr std::string_view begins = "suture checkpoint, format ";
 using Block = std::array<char, block_size>;
 

@@ -76,8 +76,8 @@ std::string array_line(const FrameField& field, bool is_integer) {
 }
 
 std::string lines_of_section(const std::string& name, const std::vector<FrameField>& fields,
-                             std::size_t rows) {
-  std::string text = "    <" + name, lines;
+                             std::size_t rows, std::string lines = "") {
+  std::string text = "    <" + name;
   for (const FrameField& field : fields) {
     if (field.global_ids) text += " GlobalIds=\"" + in_attribute(field.name) + '"';
     lines += array_line(field, rows > 0 && field.values.empty());
@@ -116,6 +116,9 @@ Frame piece_of(const Frame& frame, std::size_t number, std::size_t count) {
   for (std::size_t c = range.begin; c < range.end; ++c) cells.push_back(c);
   piece.points = rows_at(frame.points, points, 1);
   piece.point_fields = fields_at(frame.point_fields, points);
+  FrameField& numbers = piece.point_fields.emplace_back();
+  numbers.name = point_in_frame;
+  numbers.ids.assign(points.begin(), points.end());
   piece.cell_fields = fields_at(frame.cell_fields, cells);
   return piece;
 }
@@ -129,7 +132,8 @@ std::string list_of_pieces(const Frame& frame, std::span<const std::string> file
       "\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
       "  <" +
       type + " GhostLevel=\"0\">\n" +
-      lines_of_section("PPointData", frame.point_fields, frame.points.size()) +
+      lines_of_section("PPointData", frame.point_fields, frame.points.size(),
+                       array_line({point_in_frame}, true)) +
       lines_of_section("PCellData", frame.cell_fields, cell_count(frame)) +
       "    <PPoints>\n"
       "      <PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n"

@@ -465,8 +465,8 @@ void RunLoop::summarise() {
 }
 
 void RunLoop::state(Archive& archive) {
-  const bool has_copies = built_.body().attributes().parts().may_grow();
-  if (has_copies) archive("parts", built_.embedded_parts());  // before contact, which needs them
+  if (built_.is_embedded())
+    archive("parts", built_.embedded_parts());  // before contact, which needs them
   archive("control", control_);
   archive("events", events_);
   archive("event report", event_report_);
@@ -479,7 +479,7 @@ void RunLoop::state(Archive& archive) {
   archive("faces torn", summary_.faces_torn);
   archive("faces sewn", summary_.faces_sewn);
   archive("elements removed", summary_.elements_removed);
-  if (has_copies) archive("elements cut", summary_.elements_cut);
+  if (built_.body().attributes().parts().may_grow()) archive("elements cut", summary_.elements_cut);
 }
 
 }  // namespace suture

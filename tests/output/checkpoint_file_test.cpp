@@ -105,9 +105,9 @@ TEST(CheckpointFile, ReportsWhatIsNoCheckpoint) {
   EXPECT_EQ(refusal_of(folder.write("foreign", good.substr(512))),
             "is an HDF5 file, but not a Suture checkpoint (checkpoint_NNNN.h5)");
   std::string other = good;
-  other[other.find("format 8") + 7] = '1';
+  other[other.find("format 9") + 7] = '1';
   EXPECT_EQ(refusal_of(folder.write("other", other)),
-            "has format 1; this version of Suture reads format 8; resume it with the version that "
+            "has format 1; this version of Suture reads format 9; resume it with the version that "
             "wrote it");
   EXPECT_EQ(refusal_of(folder.write("cut", good.substr(0, 2000))),
             "is truncated: it has 2000 of " + std::to_string(good.size()) +

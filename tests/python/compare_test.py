@@ -15,17 +15,17 @@ from pathlib import Path
 import numpy as np
 
 from scenes import bar
-from suture import _compare, _differences, _orders
+from suture import _compare, _differences, _frames, _orders, _results
 
 
-def run(folder, gravity=-1.0, cells=(2, 1, 1), every=5, **more):
+def run(folder, gravity=-1.0, cells=(2, 1, 1), every=5, words=(), **more):
     """A run of 10 steps, unless `more` says otherwise; returns its output folder."""
     scene = bar(cells, end=1e-3, gravity=[0, gravity, 0] if isinstance(gravity, float) else gravity,
                 output={"every_steps": every, "energies": {}})
     scene.update(more)
     file = folder.with_suffix(".json")
     file.write_text(json.dumps(scene), encoding="utf-8")
-    subprocess.run([os.environ["SUTURE_PROGRAM"], "run", "-q", file, "--output", folder],
+    subprocess.run([os.environ["SUTURE_PROGRAM"], "run", "-q", file, "--output", folder, *words],
                    check=True)
     return folder
 
@@ -119,6 +119,33 @@ class Compare(unittest.TestCase):
         bare = stretched("5", (6, 3, 3), output={"fields": ["von_mises"]})
         with self.assertRaisesRegex(ValueError, "has no field 'displacement'"):
             _compare.compare(coarse, bare)
+
+    @unittest.skipUnless(os.environ.get("SUTURE_LAUNCHER"), "MPI is missing")
+    def test_pieces_are_joined_to_the_frames_of_one_process(self):
+        """The lips of a cut are at the same places, and remain apart."""
+        cut = {"cut": {"along": "faces", "plane": {"point": [1, 0, 0], "normal": [1, 0, 0]}}}
+        scene = {"cells": (6, 2, 2), "events": [{"at": 0, **cut}]}
+        output = {"every_steps": 5, "fields": ["displacement", "stress", "element_id"]}
+        one = run(self.folder / "1", **scene, output=output)
+        three = run(self.folder / "3", **scene, output={**output, "pieces": True},
+                    words=["--processes", "3"])
+        pairs = list(zip(_results.frames_of(one), _results.frames_of(three), strict=True))
+        self.assertEqual(len(pairs), 3)
+        for (time, file), (same_time, joined) in pairs:
+            self.assertEqual((time, file.suffix, joined.suffix), (same_time, ".vtu", ".pvtu"))
+            frame, other = _frames.Frame(file), _frames.Frame(joined)
+            np.testing.assert_array_equal(frame.points, other.points)
+            np.testing.assert_array_equal(frame.cells, other.cells)
+            self.assertEqual(set(frame.fields), set(other.fields))
+            for name, values in frame.fields.items():
+                np.testing.assert_array_equal(values, other.fields[name])
+            faces, same = _frames.read_faces(file), _frames.read_faces(joined)
+            np.testing.assert_array_equal(faces["corners"], same["corners"])
+        *_, notes = _compare.compare_frames(one, three)
+        self.assertEqual(notes, set())
+        next(three.glob("frame_0001_1.vtu")).unlink()
+        with self.assertRaisesRegex(OSError, "frame_0001_1.vtu: is missing"):
+            _compare.compare(one, three)
 
     def test_lips_of_cuts_are_left_out(self):
         places = np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0.1 + 0.2], [2, 0, 0.3]])

@@ -42,10 +42,38 @@ Json moved_side(Random& random, double end) {
                {"translation", {random.between(-0.1, 0.1), random.between(-0.1, 0.1), 0}}}}}}}};
 }
 
+/// A volume needs whole elements.
+Json load(Random& random, bool divides) {
+  std::vector<Json> loads{
+      {{"pressure", random.between(10, 1000)}, {"where", {{"set", "y1"}}}},
+      {{"traction", {random.between(-300, 300), 0, 100}}, {"where", {{"set", "x1"}}}},
+      {{"force", {0, random.between(-300, 300), 0}}, {"where", {{"set", "z0"}}}}};
+  if (!divides) loads.push_back({{"volume", random.between(1e3, 1e4)}, {"where", "all"}});
+  Json result = random.pick(loads);
+  if (random.chance(0.3)) result["ramp"] = random.between(0.01, 0.1);
+  return result;
+}
+
+/// A floor below, and a ball that is pushed into the upper side.
+Json contact(Random& random, double end) {
+  const Json floor{{"name", "floor"},
+                   {"half_space", {{"point", {0, -0.01, 0}}, {"normal", {0, 1, 0}}}}};
+  Json ball{{"name", "ball"},
+            {"sphere", {{"centre", {0.5, 1.21, 0.5}}, {"radius", 0.2}}},
+            {"path", {{{"at", 0}}, {{"at", end}, {"translation", {0.05, -0.1, 0}}}}}};
+  if (random.chance(0.3))
+    ball["coupling"] = {{"mass", random.decades(1, 100)}, {"stiffness", random.decades(1e3, 1e5)}};
+  Json result{{"friction", random.between(0, 0.5)},
+              {"pieces", random.chance(0.5)},
+              {"obstacles", {floor, ball}}};
+  if (result["pieces"]) result["self"] = random.chance(0.3);
+  return result;
+}
+
 }  // namespace
 
 Case divided(Random& random, unsigned index) {
-  const double end = random.between(0.1, 0.3);
+  const double end = random.between(0.05, 0.15);
   Case result{"divided-" + std::to_string(index),
               {{"suture", 2},
                {"mesh", {{"box", {{"size", {1, 1, 1}}, {"cells", Json::array()}}}}},
@@ -55,7 +83,7 @@ Case divided(Random& random, unsigned index) {
                {"solver", {{"end", end}}}}};
   Json& scene = result.scene;
   for (int axis = 0; axis < 3; ++axis)
-    scene["mesh"]["box"]["cells"].push_back(static_cast<int>(random.between(15, 25)));
+    scene["mesh"]["box"]["cells"].push_back(static_cast<int>(random.between(15, 23)));
   if (random.chance(0.3))
     scene["gravity"] = {{"value", scene["gravity"]},
                         {"ramp", {{"to", random.between(0, 1) * end}}}};
@@ -70,8 +98,6 @@ Case divided(Random& random, unsigned index) {
   if (random.chance(0.3)) solver["dt"] = random.decades(5e-4, 6e-3);  // not always stable
   if (random.chance(0.4)) solver["damping"] = random.between(1, 20);
   if (random.chance(0.15)) solver["sleep"] = {{"acceleration", 0.1}, {"velocity", 0.01}};
-  if (random.chance(0.2))
-    scene["loads"] = {{{"where", {{"set", "y1"}}}, {"pressure", random.between(10, 1000)}}};
   scene["events"] = Json::array();
   for (int i = static_cast<int>(random.between(0, 5)); i > 0; --i) {
     Json event{{"at", random.between(0, 1) * end}};
@@ -82,11 +108,10 @@ Case divided(Random& random, unsigned index) {
     scene["events"].push_back(
         {{"every", 5},
          {"tear", {{"by", "principal-strain"}, {"above", random.between(0.01, 0.1)}}}});
-  if (random.chance(0.15)) {
-    const Json floor{{"name", "floor"},
-                     {"half_space", {{"point", {0, -0.01, 0}}, {"normal", {0, 1, 0}}}}};
-    scene["contact"] = {{"obstacles", {floor}}};
-  }
+  const bool divides = scene["events"].dump().find("blade") != std::string::npos;
+  for (int i = static_cast<int>(random.between(0, 2.5)); i > 0; --i)
+    scene["loads"].push_back(load(random, divides));
+  if (random.chance(0.3)) scene["contact"] = contact(random, end);
   result.skips = random.chance(0.7);
   add_output(scene, random);
   scene["checkpoint"] = {{"every_steps", static_cast<int>(random.between(10, 60))}, {"keep", 3}};

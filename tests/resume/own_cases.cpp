@@ -127,7 +127,7 @@ Case along(Random& random, unsigned, std::uint64_t) {
   scene["events"] = Json::array();
   for (int i = 0; i < 3; ++i) {
     Json cut = across(random.between(0.2, 0.8), random);
-    cut["along"] = "blade";
+    cut["along"] = i > 0 || random.chance(0.5) ? "blade" : "faces";
     if (random.chance(0.3)) cut["plane"]["radius"] = random.between(0.1, 0.3);
     scene["events"].push_back({{"at", random.between(0.05, 0.95)}, {"cut", cut}});
   }

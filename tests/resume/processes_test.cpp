@@ -19,6 +19,7 @@
 
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/output/collection.hpp"
+#include "kernel/output/frame_pieces.hpp"
 #include "tests/base/variable.hpp"
 #include "tests/mesh/temporary_folder.hpp"
 #include "tests/resume/process.hpp"
@@ -153,6 +154,35 @@ TEST_F(Together, TheyDivideThePasses) {
   std::cout << runs << " runs, " << resumed << " resumed\n";
 }
 
+/// Loads and contact are computed by all, at positions that all of them have: the passes are
+/// divided, as messages to single processes show.
+TEST_F(Together, TheyDivideScenesWithLoadsAndContact) {
+  const Case what{"loads", Json::parse(R"({
+    "suture": 2,
+    "mesh": {"box": {"size": [1, 1, 1], "cells": [21, 21, 21]}},
+    "models": [{"model": "tm-faure", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
+    "gravity": {"value": [0, -10, 0], "ramp": {"to": 0.02}},
+    "loads": [{"pressure": 300, "where": {"set": "y1"}, "ramp": 0.01},
+              {"traction": [0, 0, 200], "where": {"set": "x1"}},
+              {"volume": 5000, "where": "all"}],
+    "contact": {"friction": 0.2, "pieces": true, "obstacles": [
+      {"name": "floor", "half_space": {"point": [0, 0, 0], "normal": [0, 1, 0]}},
+      {"name": "ball", "sphere": {"centre": [0.5, 1.2, 0.5], "radius": 0.2},
+       "path": [{"at": 0}, {"at": 0.05, "translation": [0, -0.1, 0]}]}]},
+    "solver": {"end": 0.05},
+    "events": [{"at": 0.02, "cut": {"along": "faces", "plane": {"point": [0.5, 0.5, 0.5],
+                                                                "normal": [0.4, 1, 0.2]}}}],
+    "output": {"directory": "out", "energies": {"every_steps": 5}, "every": 0.02}})")};
+  const fs::path at = folder_ / "case", scene = at / "scene.json";
+  write_case(what, at);
+  EXPECT_EQ(run(what, {scene}, 0, at / "0"), 0) << said(at / "0");
+  EXPECT_EQ(run(what, {scene, "-v"}, 2, at / "2"), 0) << said(at / "2");
+  EXPECT_EQ(difference(at / "0" / "out", at / "2" / "out"), "");
+  EXPECT_THAT(read_text(at / "2" / ".out") + said(at / "2"),
+              ::testing::AllOf(::testing::HasSubstr("messages to single processes"),
+                               ::testing::Not(::testing::HasSubstr(" in 0 messages to single"))));
+}
+
 /// Products with the tangent are divided, and everything else is repeated.
 TEST_F(Together, TheySolveEquations) {
   const std::vector<unsigned> numbers{2, 3, 7};
@@ -182,7 +212,7 @@ Case cut_beam() {
 }
 
 /// What a frame shows in its elements, one after the other: all numbers of their corners, and their
-/// own.
+/// own. Pieces number their points, too.
 std::vector<double> elements_of(const fs::path& frame) {
   std::vector<fs::path> files;
   for (const std::string& piece : pieces_of(frame.parent_path(), frame.filename()))
@@ -195,12 +225,14 @@ std::vector<double> elements_of(const fs::path& frame) {
     for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) {
       for (const Index v : mesh.hexahedra[e])
         numbers.insert(numbers.end(), mesh.points[v].begin(), mesh.points[v].end());
-      for (const MeshArray& array : mesh.arrays)
+      for (const MeshArray& array : mesh.arrays) {
+        if (array.name == point_in_frame) continue;
         for (const Index row : array.of_elements ? std::vector{static_cast<Index>(e)}
                                                  : std::vector<Index>(mesh.hexahedra[e].begin(),
                                                                       mesh.hexahedra[e].end()))
           for (std::size_t c = 0; c < array.components; ++c)
             numbers.push_back(array.values[row * array.components + c]);
+      }
     }
   }
   return numbers;

@@ -2,10 +2,12 @@
 """Reads the frames of a run, and their fields at other places, with python3-vtk9."""
 
 import contextlib
+from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy
 
-from ._vtk import require
+from ._vtk import grid_of, require
 
 
 @contextlib.contextmanager
@@ -21,12 +23,53 @@ def _silence():
         vtkLogger.SetStderrVerbosity(before)
 
 
+POINT_IN_FRAME = "point_in_frame"  # a field of pieces: the numbers of their points in the frame
+
+
 def _read(file):
+    """The grid of a .vtu, or of the pieces of a .pvtu, which become the frame that one process
+    writes."""
+    return _read_pieces(file) if str(file).endswith(".pvtu") else _read_file(file)
+
+
+def _read_pieces(file):
+    *_, support = require()
+    try:
+        sources = [piece.get("Source", "") for piece in ElementTree.parse(file).iter("Piece")]
+    except ElementTree.ParseError as error:
+        raise OSError(f"{file}: is damaged ({error}); run the scene again") from error
+    pieces = [_read_file(Path(file).parent / source) for source in sources]
+    if not pieces or any(p.GetPointData().GetArray(POINT_IN_FRAME) is None for p in pieces):
+        raise OSError(f"{file}: names no pieces with the field '{POINT_IN_FRAME}', as runs write "
+                      "them; run the scene again")
+    points = [_arrays(support, piece.GetPointData()) for piece in pieces]
+    cells = [_arrays(support, piece.GetCellData()) for piece in pieces]
+    numbers = [fields.pop(POINT_IN_FRAME) for fields in points]
+    _, first = numpy.unique(numpy.concatenate(numbers), return_index=True)
+
+    def join(parts):
+        return numpy.concatenate(list(parts))
+
+    def joined_cells(array):
+        return join(support.vtk_to_numpy(array(piece)) for piece in pieces)
+
+    ends = joined_cells(lambda piece: piece.GetCells().GetOffsetsArray())
+    sizes = numpy.diff(ends)
+    corners = join(of_frame[support.vtk_to_numpy(piece.GetCells().GetConnectivityArray())]
+                   for of_frame, piece in zip(numbers, pieces))
+    return grid_of(
+        join(support.vtk_to_numpy(piece.GetPoints().GetData()) for piece in pieces)[first],
+        corners, sizes[sizes > 0], joined_cells(lambda piece: piece.GetCellTypesArray()),
+        {name: join(fields[name] for fields in points)[first] for name in points[0]},
+        {name: join(fields[name] for fields in cells) for name in cells[0]})
+
+
+def _read_file(file):
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
     reader = vtkXMLUnstructuredGridReader()
     if not reader.CanReadFile(str(file)):
-        raise OSError(f"{file}: is missing, or is not a frame of a run (.vtu)")
+        raise OSError(f"{file}: is missing, or is not a frame of a run (.vtu, .pvtu)")
     reader.SetFileName(str(file))
     errors = []
     reader.AddObserver("ErrorEvent", lambda *_: errors.append(True))

@@ -48,6 +48,21 @@ def unstructured_grid(points, hexahedra, point_fields, cell_fields):
     return grid
 
 
+def grid_of(points, corners, sizes, types, point_fields, cell_fields):
+    """A grid of any cells: `corners` has the points of all, one cell after the other, `sizes` how
+    many each has, and `types` VTK's numbers of their kinds."""
+    core, data, support = require()
+    grid, cells = data.vtkUnstructuredGrid(), data.vtkCellArray()
+    offsets = numpy.concatenate(([0], numpy.cumsum(sizes)))
+    cells.SetData(*(support.numpy_to_vtkIdTypeArray(part.astype(numpy.int64), deep=1)
+                    for part in (offsets, corners)))
+    grid.SetPoints(_points(core, support, points))
+    grid.SetCells(support.numpy_to_vtk(types.astype(numpy.uint8), deep=1), cells)
+    _add(support, grid.GetPointData(), point_fields)
+    _add(support, grid.GetCellData(), cell_fields)
+    return grid
+
+
 def write_grid(file, points, hexahedra, cell_fields):
     """Writes a .vtu file, which ParaView opens and a scene takes as its mesh."""
     grid = unstructured_grid(points, hexahedra, {}, cell_fields)

@@ -257,7 +257,7 @@ void Attributes::apply(const CellComplex& complex, const TopologyChange& change)
   sums_.clear(change);
 }
 
-void Attributes::make_room(Index faces) {
+void Attributes::make_room(Index faces, Index largest) {
   const std::array<Index, 3> cells = cells_of_cut(faces);
   const auto make_room_in = [&](std::span<Table, 4> tables) {
     for (std::size_t d = 0; d < cells.size(); ++d)
@@ -266,7 +266,7 @@ void Attributes::make_room(Index faces) {
   };
   make_room_in(kernel_);
   for (const auto& instance : instances_) make_room_in(instance->tables());
-  policies_.make_room(cells[1]);
+  policies_.make_room(cells_of_cut(largest)[1]);
 }
 
 void Attributes::add_copies(const CellComplex& complex, std::span<const Split> copies) {

@@ -72,8 +72,9 @@ class Attributes {
   /// initialise() on the cut complex (but see decision 018). O(cells in the change).
   void apply(const CellComplex& complex, const TopologyChange& change);
 
-  /// Makes room in all columns for the cells that a cut of `faces` faces adds. O(faces).
-  void make_room(Index faces);
+  /// Makes room in all columns for the cells that cuts of `faces` faces add, the largest of them of
+  /// `largest`. O(faces).
+  void make_room(Index faces, Index largest);
 
   /// To be called after an accepted step: swaps in the trial copies of all columns.
   void accept_trials();

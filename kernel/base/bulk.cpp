@@ -9,6 +9,15 @@
 #include <cstdint>
 #include <cstdlib>
 #include <mutex>
+#include <utility>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define SUTURE_WATCHES_MEMORY 1
+#elif defined(__has_feature)
+#define SUTURE_WATCHES_MEMORY __has_feature(address_sanitizer)
+#else
+#define SUTURE_WATCHES_MEMORY 0
+#endif
 
 namespace suture {
 namespace {
@@ -19,7 +28,13 @@ constexpr std::size_t large_page = std::size_t{2} << 20;
 /// system's time for fresh pages: every cut got new memory for its change and returned it.
 class SpareBlocks {
  public:
-  static constexpr std::size_t least = std::size_t{64} << 10, max_kept = std::size_t{128} << 20;
+  static constexpr std::size_t least = std::size_t{64} << 10;
+#if SUTURE_WATCHES_MEMORY
+  static constexpr std::size_t max_kept =
+      0;  // AddressSanitizer would not see them used after release
+#else
+  static constexpr std::size_t max_kept = std::size_t{128} << 20;
+#endif
 
   /// The smallest one that fits, unless most of it would be unused; null if there is none.
   void* take(std::size_t bytes, std::size_t multiple) {
@@ -34,17 +49,31 @@ class SpareBlocks {
     void* const memory = best->memory;
     kept_ -= best->bytes;
     *best = blocks_[--count_];
-    blocks_[count_] = {};
     return memory;
   }
 
-  /// False if there is no room for it.
-  bool keep(void* memory, std::size_t bytes) {
+  /// Keeps a block, and returns one that is to be released: null, the smallest, or this one.
+  void* keep(void* memory, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
-    if (count_ == blocks_.size() || kept_ + bytes > max_kept) return false;
-    blocks_[count_++] = {memory, bytes};
+    if (kept_ + bytes > max_kept) return memory;
     kept_ += bytes;
-    return true;
+    if (count_ < blocks_.size()) {
+      blocks_[count_++] = {memory, bytes};
+      return nullptr;
+    }
+    Block& smallest = *std::ranges::min_element(blocks_, {}, &Block::bytes);
+    const Block released = std::exchange(smallest, {memory, bytes});
+    kept_ -= released.bytes;
+    return released.memory;
+  }
+
+  /// Releases all; false if there was none.
+  bool release() {
+    const std::lock_guard lock(mutex_);
+    const bool had_any = count_ != 0;
+    for (; count_ != 0; --count_) std::free(blocks_[count_ - 1].memory);
+    kept_ = 0;
+    return had_any;
   }
 
  private:
@@ -79,7 +108,8 @@ void* allocate_bulk(std::size_t bytes, std::size_t alignment) {
   const std::size_t size = (bytes + multiple - 1) / multiple * multiple;
   if (size >= SpareBlocks::least)
     if (void* const spare = spare_blocks().take(size, multiple)) return spare;
-  void* const memory = std::aligned_alloc(multiple, size);
+  void* memory = std::aligned_alloc(multiple, size);
+  if (!memory && spare_blocks().release()) memory = std::aligned_alloc(multiple, size);
   if (!memory) throw std::bad_alloc();
   if (large) prefer_large_pages(memory, size);
   return memory;
@@ -87,9 +117,10 @@ void* allocate_bulk(std::size_t bytes, std::size_t alignment) {
 
 void release_bulk(void* block) noexcept {
   const std::size_t bytes = malloc_usable_size(block);
-  if (bytes >= SpareBlocks::least && spare_blocks().keep(block, bytes)) return;
-  std::free(block);
+  std::free(bytes < SpareBlocks::least ? block : spare_blocks().keep(block, bytes));
 }
+
+void release_spare_bulk() noexcept { spare_blocks().release(); }
 
 void touch_pages(void* begin, std::size_t bytes) noexcept {
   constexpr std::size_t page = 4096;

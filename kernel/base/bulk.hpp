@@ -20,8 +20,12 @@ void prefer_large_pages(void* begin, std::size_t bytes) noexcept;
 /// be cleared again.
 void* allocate_bulk(std::size_t bytes, std::size_t alignment);
 
-/// Releases memory of allocate_bulk(). Keeps up to 128 MiB for later calls.
+/// Releases memory of allocate_bulk(). Keeps up to 128 MiB for later calls, but for
+/// AddressSanitizer.
 void release_bulk(void* block) noexcept;
+
+/// Returns what is kept to malloc. A failing allocate_bulk() does so, too.
+void release_spare_bulk() noexcept;
 
 /// Writes to each page of a range whose contents do not matter.
 void touch_pages(void* begin, std::size_t bytes) noexcept;

@@ -6,9 +6,12 @@
 #include <malloc.h>
 #endif
 
+#include "kernel/base/bulk.hpp"
+
 namespace suture {
 
 void trim_heap() noexcept {
+  release_spare_bulk();
 #ifdef __GLIBC__
   malloc_trim(0);
 #endif

@@ -3,7 +3,7 @@
 
 namespace suture {
 
-/// Returns freed memory that malloc retains to the system, after work that needed much more memory
+/// Returns freed memory that malloc and allocate_bulk() retain to the system, after work that needed much more memory
 /// than it leaves in use. Takes some microseconds, plus the time per page returned.
 void trim_heap() noexcept;
 

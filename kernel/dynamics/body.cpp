@@ -245,7 +245,7 @@ void Body::follow(const TopologyChange& change) {
 
 void Body::make_room(Index faces, Index largest) {
   imported_.complex.make_room(faces, largest);
-  attributes_.make_room(faces);
+  attributes_.make_room(faces, largest);
   models_->make_room(faces);
   for (FieldEquation& field : fields_) field.rates().make_room(faces);
   suture::make_room(user_vertex_, cells_of_cut(faces)[0]);

@@ -78,6 +78,10 @@ class PointNumbers {
 
   Index number(const std::array<float, 3>& place) {
     const Vec3 point{place[0], place[1], place[2]};
+    if (!std::ranges::all_of(place, [](float x) { return std::isfinite(x); })) {
+      points_.push_back(point);  // its reader refuses it by its number
+      return static_cast<Index>(points_.size() - 1);
+    }
     const std::size_t mask = slots_.size() - 1;
     for (std::size_t slot = hash(place) & mask;; slot = (slot + 1) & mask) {
       if (slots_[slot] == none) {
@@ -102,8 +106,8 @@ class PointNumbers {
   std::vector<Index> slots_;  ///< at most 4/5 are taken
 };
 
-/// A binary file without anything else in it, whose coordinates are finite: 80 bytes, a count n and
-/// n times a normal, three corners and 2 bytes. CGAL takes ten times as long. False for others.
+/// A binary file without anything else in it: 80 bytes, a count n and n times a normal, three
+/// corners and 2 bytes. CGAL takes ten times as long. False for others.
 bool read_binary_stl(std::string_view text, PolygonSoup& soup) {
   std::uint32_t n = 0;
   if (text.size() < stl_header || text.starts_with("solid")) return false;
@@ -114,11 +118,8 @@ bool read_binary_stl(std::string_view text, PolygonSoup& soup) {
   for (std::uint32_t i = 0; i < n; ++i) {
     std::array<std::array<float, 3>, 4> rows;  // the normal, then the corners
     std::memcpy(rows.data(), text.data() + stl_header + stl_triangle * i, sizeof rows);
-    for (std::size_t corner = 1; corner < rows.size(); ++corner) {
-      if (!std::ranges::all_of(rows[corner], [](float x) { return std::isfinite(x); }))
-        return false;
+    for (std::size_t corner = 1; corner < rows.size(); ++corner)
       read.corners.push_back(numbers.number(rows[corner]));
-    }
     read.offsets.push_back(3 * (i + 1));
   }
   soup = std::move(read);

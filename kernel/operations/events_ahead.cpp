@@ -28,11 +28,14 @@ struct EventRunner::Ahead {
     Index at_once = 0, in_all = 0;
   };
   Call call;
+  bool counts;  ///< faces of planes
 
   Faces operator()(const CutPlane& plane) const {
     if (plane.along_blade) return {};
+    const ElementBlocks* const blocks = call.blocks();
+    if (!counts) return {};
     const PlanePatch patch{plane.point, plane.normal, plane.radius, plane.polygon};
-    return all_at_once(faces_across_patch(complex(), call.shape(), patch, 4, call.blocks()).size());
+    return all_at_once(faces_across_patch(complex(), call.shape(), patch, 4, blocks).size());
   }
   Faces operator()(const CutFaces& listed) const {
     return all_at_once(listed.element_pairs.size());
@@ -46,6 +49,13 @@ struct EventRunner::Ahead {
   Faces operator()(const Tear&) const { return {0, across()}; }
   Faces operator()(const Pierce& pierce) const {
     if (!pierce.where || !pierce.where->is_listed()) call.blocks();
+    return {};
+  }
+  Faces operator()(const SewFaces& sew) const {
+    if (sew.between)
+      for (const Selection& side : *sew.between)
+        if (!side.is_listed()) call.blocks(false);
+    if (sew.where && !sew.where->is_listed()) call.blocks(true);
     return {};
   }
   template <class Other>
@@ -63,19 +73,21 @@ struct EventRunner::Ahead {
 
 void EventRunner::make_ready() {
   Body& body = built_.body();
-  std::uint64_t faces = 0;
-  Index largest = 0;
+  // Where many planes and blades cross, or miss the body, room for all would be more than it takes.
+  const Index elements = body.complex().existing(3);
+  Index at_once = 0, largest = 0, faces = 0;
+  const auto most = [&] { return largest + elements / 8; };
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const Event& event = scene_.events[i];
     const Call call{*this, event, static_cast<std::uint32_t>(i), 0, states_[i]};
-    const Ahead::Faces of_event = std::visit(Ahead{call}, event.what);
-    faces += of_event.in_all;
-    largest = std::max(largest, of_event.at_once);
+    const Ahead::Faces of_event = std::visit(Ahead{call, faces <= most()}, event.what);
+    at_once = std::max(at_once, of_event.at_once);
+    largest = std::max(largest, of_event.in_all);
+    faces = std::min(faces + of_event.in_all, most() + 1);
     if (operates(event)) body.islands();
     if (removes(event)) removals_.find_holders();
   }
-  const std::uint64_t all = std::uint64_t{3} * body.complex().existing(3);
-  if (faces != 0) body.make_room(static_cast<Index>(std::min(faces, all)), largest);
+  if (faces != 0) body.make_room(std::min(faces, most()), at_once);
 }
 
 }  // namespace suture

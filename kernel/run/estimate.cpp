@@ -106,6 +106,7 @@ Estimate Simulation::estimate() {
   const Clock& clock = run.control().clock();
   const Scene& scene = run.built().scene();
   Estimate estimate;
+  run.make_ready();
   run.control().watch().search(0);
   estimate.stable_dt = run.control().watch().stable();
   estimate.dt = run.control().next_dt();

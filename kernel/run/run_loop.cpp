@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <utility>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
@@ -73,7 +74,6 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
   if (built_.dynamics().newton()) decisions_.push_back({"linear solver", false, describe_solver()});
   if (check_plugins) check_bounds();
   deliver_plugin_warnings(diagnostics);
-  events_.make_ready();
   trim_heap();  // of the search
 }
 
@@ -283,8 +283,13 @@ std::optional<RunSummary::Outcome> RunLoop::advance(const Pause& pause, Observer
   }
 }
 
+void RunLoop::make_ready() {
+  if (!std::exchange(is_ready_, true)) events_.make_ready();
+}
+
 /// None if the run pauses.
 std::optional<RunSummary::Outcome> RunLoop::loop(const Pause& pause, Observer& observer) {
+  make_ready();
   pass_details_to(observer);
   const StepControl::Notify notify = notify_to(observer);
   const Wall::time_point start = Wall::now();

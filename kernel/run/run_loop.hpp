@@ -42,6 +42,9 @@ class RunLoop {
   void load(const StateTree& state);
   /// Loads the state of the checkpoint from `file`. Call before any step.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
+  /// Builds what the events of the scene need, unless that has been done (EventRunner). Steps and
+  /// events need no call.
+  void make_ready();
   /// Makes a step for timing only, without events; returns false if it fails.
   bool try_step();
   /// Event `event` as if it were `time`, without a message; only for estimates.
@@ -97,6 +100,7 @@ class RunLoop {
   Checkpoints checkpoints_;
   std::vector<Decision> decisions_;
   RunSummary summary_;
+  bool is_ready_ = false;         ///< make_ready()
   bool is_unbalanced_ = false;    ///< something has changed since the last step
   std::uint64_t first_step_ = 0;  ///< not 0 if the run was resumed
   Communicator* processes_ = nullptr;

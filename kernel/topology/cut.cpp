@@ -87,7 +87,7 @@ void CellComplex::make_room(Index faces, Index largest) {
   for (int d = 0; d < 3; ++d) {
     if (count(d) == 0) continue;
     suture::make_room(first_dart_[d], cells[d]);
-    reserve(change, d, largest);
+    reserve(change, d, largest + largest / 8);  // a body that moves is cut in other places
     touch(change.splits[d]);
     touch(change.stars[d].cells);
     touch(change.stars[d].offsets);

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numeric>
 
+#include "tests/base/sanitizer.hpp"
+
 namespace suture {
 namespace {
 
@@ -49,6 +51,10 @@ TEST(Bulk, ReleasedBlocksServeAgainIfTheyFit) {
   void* const first = allocate_bulk(size, 64);
   release_bulk(first);
   void* const second = allocate_bulk(size - 100, 64);
+  if (test::sanitizer == "address") {
+    EXPECT_NE(second, first) << "a use after release would not be seen";
+    return release_bulk(second);
+  }
   EXPECT_EQ(second, first);
   void* const larger = allocate_bulk(4 * size, 64);
   EXPECT_NE(larger, first);
@@ -58,6 +64,20 @@ TEST(Bulk, ReleasedBlocksServeAgainIfTheyFit) {
   void* const third = allocate_bulk(size, 64);
   EXPECT_EQ(third, first);
   for (void* const block : {smaller, larger, third}) release_bulk(block);
+}
+
+TEST(Bulk, LargeBlocksAreKeptInsteadOfSmallOnes) {
+  std::vector<void*> small;
+  for (int i = 0; i < 100; ++i) small.push_back(allocate_bulk(std::size_t{70} << 10, 64));
+  void* const large = allocate_bulk(std::size_t{800} << 10, 64);
+  for (void* const block : small) release_bulk(block);
+  release_bulk(large);
+  void* const again = allocate_bulk(std::size_t{800} << 10, 64);
+  if (test::sanitizer != "address") {
+    EXPECT_EQ(again, large);
+  }
+  release_bulk(again);
+  release_spare_bulk();
 }
 
 TEST(Bulk, RoomIsMadeWithoutItemsAndKeepsThoseThereAre) {

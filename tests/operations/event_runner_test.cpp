@@ -91,6 +91,15 @@ TEST_F(Events, APlaneCutsItsSectionAndOnceOnly) {
   expect_warning("t = 0.5 s: /now cut no face: the blade misses the body, or the faces there");
 }
 
+TEST_F(Events, RoomForThemIsMadeAhead) {
+  add(middle);
+  build();
+  runner->make_ready();
+  const double* const before = built->body().attributes().position().rows();
+  EXPECT_EQ(apply(middle).faces_cut, 4u);
+  EXPECT_EQ(built->body().attributes().position().rows(), before);
+}
+
 TEST_F(Events, ADiscCutsWhereItIs) {
   EXPECT_EQ(apply(CutPlane{{0.5, 0, 0}, {1, 0, 0}, 0.1}).faces_cut, 1u);
 }

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <mutex>
+#include <span>
 #include <utility>
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -29,18 +30,14 @@ constexpr std::size_t large_page = std::size_t{2} << 20;
 class SpareBlocks {
  public:
   static constexpr std::size_t least = std::size_t{64} << 10;
-#if SUTURE_WATCHES_MEMORY
-  static constexpr std::size_t max_kept =
-      0;  // AddressSanitizer would not see them used after release
-#else
-  static constexpr std::size_t max_kept = std::size_t{128} << 20;
-#endif
+  /// None where AddressSanitizer would not see that they are used after their release.
+  static constexpr std::size_t max_kept = SUTURE_WATCHES_MEMORY ? 0 : std::size_t{128} << 20;
 
   /// The smallest one that fits, unless most of it would be unused; null if there is none.
   void* take(std::size_t bytes, std::size_t multiple) {
     const std::lock_guard lock(mutex_);
     Block* best = nullptr;
-    for (Block& block : blocks_) {
+    for (Block& block : std::span(blocks_).first(count_)) {
       const bool fits = block.bytes >= bytes && block.bytes / 4 <= bytes &&
                         reinterpret_cast<std::uintptr_t>(block.memory) % multiple == 0;
       if (fits && (!best || block.bytes < best->bytes)) best = &block;

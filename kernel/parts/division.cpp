@@ -210,7 +210,10 @@ class Divider::FacePairs {
     mates_.resize(4 * fragments.size());
     if (table_.size() < 2 * mates_.size()) table_.resize(std::bit_ceil(2 * mates_.size()));
     mask_ = std::bit_ceil(2 * mates_.size()) - 1;
-    ++call_;
+    if (++call_ == 0) {  // slots of 2^32 calls before would seem to be of this one
+      table_.assign(table_.size(), {});
+      call_ = 1;
+    }
     // Without branches that would be taken every other time.
     for (Index face = 0; face < mates_.size(); ++face) {
       const std::uint64_t key = key_of(points_of(fragments, face));

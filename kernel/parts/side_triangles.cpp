@@ -44,9 +44,9 @@ bool SideTriangle::contains(const Place& p) const {
   const auto is_in_box = [&](std::size_t c) {
     const double low = std::min(std::min(x[0][c], x[1][c]), x[2][c]),
                  high = std::max(std::max(x[0][c], x[1][c]), x[2][c]);
-    return (p[c] >= low - box_rounding) & (p[c] <= high + box_rounding);
+    return p[c] >= low - box_rounding && p[c] <= high + box_rounding;
   };
-  if (!(is_in_box(0) & is_in_box(1))) return false;  // most of them
+  if (!is_in_box(0) || !is_in_box(1)) return false;  // most of them
   const double a = cross_product(x[0], x[1], p), b = cross_product(x[1], x[2], p),
                c = cross_product(x[2], x[0], p);
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);

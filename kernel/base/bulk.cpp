@@ -53,14 +53,15 @@ class SpareBlocks {
   void* keep(void* memory, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     if (kept_ + bytes > max_kept) return memory;
-    kept_ += bytes;
     if (count_ < blocks_.size()) {
       blocks_[count_++] = {memory, bytes};
+      kept_ += bytes;
       return nullptr;
     }
     Block& smallest = *std::ranges::min_element(blocks_, {}, &Block::bytes);
+    if (smallest.bytes >= bytes) return memory;
     const Block released = std::exchange(smallest, {memory, bytes});
-    kept_ -= released.bytes;
+    kept_ += bytes - released.bytes;
     return released.memory;
   }
 

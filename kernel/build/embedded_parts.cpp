@@ -219,6 +219,7 @@ void EmbeddedParts::state(Archive& archive) {
   std::ranges::sort(sides);
   archive("cut of side", sides);
   if (archive.loads()) {
+    is_current_ = false;
     cut_of_side_.clear();
     for (const auto& [side, cut] : sides) cut_of_side_[side] = cut;
   }
@@ -234,7 +235,6 @@ void EmbeddedParts::state(Archive& archive) {
   archive("is cut", parts_.is_cut);
   archive("outer sides", parts_.outer_sides);
   archive("cut of triangle", cut_of_triangle_);
-  is_current_ = false;
 }
 
 }  // namespace suture

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <numeric>
 
 #include "tests/base/sanitizer.hpp"
@@ -64,6 +65,23 @@ TEST(Bulk, ReleasedBlocksServeAgainIfTheyFit) {
   void* const third = allocate_bulk(size, 64);
   EXPECT_EQ(third, first);
   for (void* const block : {smaller, larger, third}) release_bulk(block);
+}
+
+/// Also after others have been taken or released since.
+TEST(Bulk, EachBlockServesOnce) {
+  constexpr std::size_t size = std::size_t{400} << 10;
+  release_bulk(allocate_bulk(size, 64));
+  void* const first = allocate_bulk(size, 64);
+  void* const second = allocate_bulk(size, 64);
+  EXPECT_NE(second, first);
+  release_bulk(first);
+  release_bulk(second);
+  release_spare_bulk();
+  void* const held = std::aligned_alloc(64, size);  // where the released ones were
+  void* const third = allocate_bulk(size, 64);
+  EXPECT_NE(third, held);
+  release_bulk(third);
+  std::free(held);
 }
 
 TEST(Bulk, LargeBlocksAreKeptInsteadOfSmallOnes) {

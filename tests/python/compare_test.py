@@ -146,6 +146,11 @@ class Compare(unittest.TestCase):
         next(three.glob("frame_0001_1.vtu")).unlink()
         with self.assertRaisesRegex(OSError, "frame_0001_1.vtu: is missing"):
             _compare.compare(one, three)
+        last = three / "frame_0002.pvtu"
+        lines = last.read_text().splitlines(keepends=True)
+        last.write_text("".join(line for line in lines if "frame_0002_1.vtu" not in line))
+        with self.assertRaisesRegex(OSError, "frame_0002.pvtu: its pieces are not those of one"):
+            _frames.Frame(last)
 
     def test_lips_of_cuts_are_left_out(self):
         places = np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0.1 + 0.2], [2, 0, 0.3]])

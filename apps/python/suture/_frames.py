@@ -44,24 +44,36 @@ def _read_pieces(file):
                       "them; run the scene again")
     points = [_arrays(support, piece.GetPointData()) for piece in pieces]
     cells = [_arrays(support, piece.GetCellData()) for piece in pieces]
+    places = numpy.concatenate([support.vtk_to_numpy(piece.GetPoints().GetData())
+                                for piece in pieces])
     numbers = [fields.pop(POINT_IN_FRAME) for fields in points]
-    _, first = numpy.unique(numpy.concatenate(numbers), return_index=True)
+    joined, first, again = numpy.unique(numpy.concatenate(numbers), return_index=True,
+                                        return_inverse=True)
+    if (any(_kinds(fields) != _kinds(of[0]) for of in (points, cells) for fields in of) or
+            not numpy.array_equal(joined, numpy.arange(joined.size)) or
+            not numpy.array_equal(places[first][again], places, equal_nan=True)):
+        raise OSError(f"{file}: its pieces are not those of one frame; run the scene again")
 
-    def join(parts):
-        return numpy.concatenate(list(parts))
+    def joined_fields(fields):
+        return {name: numpy.concatenate([of[name] for of in fields]) for name in fields[0]}
 
     def joined_cells(array):
-        return join(support.vtk_to_numpy(array(piece)) for piece in pieces)
+        return numpy.concatenate([support.vtk_to_numpy(array(piece)) for piece in pieces])
 
     ends = joined_cells(lambda piece: piece.GetCells().GetOffsetsArray())
     sizes = numpy.diff(ends)
-    corners = join(of_frame[support.vtk_to_numpy(piece.GetCells().GetConnectivityArray())]
-                   for of_frame, piece in zip(numbers, pieces))
+    corners = numpy.concatenate(
+        [of_frame[support.vtk_to_numpy(piece.GetCells().GetConnectivityArray())]
+         for of_frame, piece in zip(numbers, pieces)])
     return grid_of(
-        join(support.vtk_to_numpy(piece.GetPoints().GetData()) for piece in pieces)[first],
-        corners, sizes[sizes > 0], joined_cells(lambda piece: piece.GetCellTypesArray()),
-        {name: join(fields[name] for fields in points)[first] for name in points[0]},
-        {name: join(fields[name] for fields in cells) for name in cells[0]})
+        places[first], corners, sizes[sizes > 0],
+        joined_cells(lambda piece: piece.GetCellTypesArray()),
+        {name: array[first] for name, array in joined_fields(points).items()},
+        joined_fields(cells))
+
+
+def _kinds(fields):
+    return {name: (array.dtype, array.shape[1:]) for name, array in fields.items()}
 
 
 def _read_file(file):

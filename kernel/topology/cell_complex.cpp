@@ -297,6 +297,23 @@ void CellComplex::arrays(Archive& archive, std::size_t elements) {
                       fits(edges_.size(), elements) && fits(faces_.size(), elements) &&
                       fits(removed_marks_.size(), elements / 64 + 1),
                   "an array of the map has a different size");
+  const auto are_cells = [&](const auto& rows, int dimension) {
+    for (Index e = 0; e < rows.size(); ++e)
+      for (const Index cell : rows[e])
+        if (exists(3, e) && !(cell < count(dimension))) return false;
+    return true;
+  };
+  const auto are_darts = [&](const auto& darts) {
+    return std::ranges::all_of(darts, [&](Dart d) { return d == none || d < 24 * elements; });
+  };
+  archive.require(are_cells(vertices_, 0) && are_cells(edges_, 1) && are_cells(faces_, 2) &&
+                      std::ranges::all_of(first_dart_, are_darts) &&
+                      std::ranges::all_of(links_,
+                                          [&](Link link) {
+                                            return link == none ||
+                                                   (link >> 5 < elements && (link & 31) < 24);
+                                          }),
+                  "the map names a cell that it does not have");
   element_marks_.resize(elements / 64 + 1);
   for (std::vector<Dart>& darts : first_dart_) {
     if (darts.empty()) continue;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/topology/islands.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <queue>
 #include <tuple>
@@ -328,6 +329,11 @@ void Islands::state(Archive& archive) {
   archive("existing", existing_);
   archive.require(island_.size() == reached_.size() && representative_.size() == size_.size(),
                   "the islands belong to a different mesh");
+  const auto are_below = [](const std::vector<Index>& values, std::size_t end) {
+    return std::ranges::all_of(values, [&](Index value) { return value == none || value < end; });
+  };
+  archive.require(are_below(island_, size_.size()) && are_below(representative_, island_.size()),
+                  "the islands name one that does not exist");
 }
 
 }  // namespace suture

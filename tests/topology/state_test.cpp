@@ -3,6 +3,8 @@
 // A map and its islands that are loaded do what those do that were saved.
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "kernel/topology/islands.hpp"
 #include "tests/base/same_state.hpp"
 #include "tests/topology/meshes.hpp"
@@ -116,6 +118,23 @@ TEST(State, OfAnotherMeshIsRefused) {
   EXPECT_NE(refusal_of(operated, line), "");
   EXPECT_EQ(refusal_of(operated.groups.at("islands"), other.islands),
             "/: the islands belong to a different mesh");
+}
+
+TEST(State, ThatNamesCellsThatAreNotThereIsRefused) {
+  Body body(grid(3, 3, 3));
+  body.follow({Operation::Kind::pierce, {}, {3}, {}});
+  const std::pair<const char*, const char*> arrays[] = {{"map", "corners"},
+                                                        {"map", "links"},
+                                                        {"islands", "of_elements"},
+                                                        {"islands", "some_element"}};
+  for (const auto& [group, name] : arrays) {
+    StateTree tree = state_of(body);
+    const StateTree::Array& array = tree.groups.at(group).arrays.at(name);
+    constexpr Index far_away = 0x7FFFFFFF;
+    std::memcpy(array.bytes.get() + array.size() - sizeof far_away, &far_away, sizeof far_away);
+    Body twin(grid(3, 3, 3));
+    EXPECT_NE(refusal_of(tree, twin).find(" that "), std::string::npos) << name;
+  }
 }
 
 }  // namespace

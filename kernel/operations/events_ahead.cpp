@@ -48,14 +48,16 @@ struct EventRunner::Ahead {
   Faces operator()(const CutBlade& cut) const { return {0, cut.along_blade ? 0 : across()}; }
   Faces operator()(const Tear&) const { return {0, across()}; }
   Faces operator()(const Pierce& pierce) const {
-    if (!pierce.where || !pierce.where->is_listed()) call.blocks();
+    if (pierce.where)
+      select(*pierce.where, call.event.rest_shape);
+    else
+      call.blocks();
     return {};
   }
   Faces operator()(const SewFaces& sew) const {
     if (sew.between)
-      for (const Selection& side : *sew.between)
-        if (!side.is_listed()) call.blocks(false);
-    if (sew.where && !sew.where->is_listed()) call.blocks(true);
+      for (const Selection& side : *sew.between) select(side, false);
+    if (sew.where) select(*sew.where, true);
     return {};
   }
   template <class Other>
@@ -63,6 +65,9 @@ struct EventRunner::Ahead {
     return {};
   }
 
+  void select(const Selection& where, bool at_rest) const {
+    if (!where.is_listed()) call.blocks(at_rest);
+  }
   const CellComplex& complex() const { return call.built.body().complex(); }
   /// By a cut through a cube of as many elements.
   Index across() const { return static_cast<Index>(std::pow(complex().existing(3), 2. / 3)); }

@@ -356,11 +356,7 @@ class Divider::PartBuilder {
   void begin_part(std::size_t number, int side) {
     if (number == parts_.size()) parts_.emplace_back();
     parts_[number].side = side;
-    Material& material = parts_[number].material;
-    material.points.clear();
-    material.tetrahedra.clear();
-    material.triangles.clear();
-    material.is_cut.clear();
+    parts_[number].material.clear();
   }
 
   Index number(std::size_t part, Index point) {

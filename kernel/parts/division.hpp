@@ -34,6 +34,13 @@ struct Material {
   std::vector<std::uint8_t> is_cut;  ///< by triangle: a blade made it
 
   static const Material& full_element();
+  /// Keeps the memory.
+  void clear() {
+    points.clear();
+    tetrahedra.clear();
+    triangles.clear();
+    is_cut.clear();
+  }
 };
 
 /// A connected part of a divided material.

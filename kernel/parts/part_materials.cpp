@@ -48,10 +48,7 @@ void PartMaterials::find_surface(std::span<const Index> elements, Index element_
 const Material& PartMaterials::of(Index element, Material& own) const {
   const std::size_t place = position_in(parts_.elements, element);
   if (place == parts_.elements.size()) return Material::full_element();
-  own.points.clear();
-  own.tetrahedra.clear();
-  own.triangles.clear();
-  own.is_cut.clear();
+  own.clear();
   const auto tetrahedra =
       std::span(parts_.tetrahedra)
           .subspan(parts_.first[place], parts_.first[place + 1] - parts_.first[place]);

@@ -21,13 +21,14 @@ def _points(core, support, points):
 
 
 def _cells(core, data, support, rows):
+    return _cell_array(data, support, numpy.arange(0, rows.size + 1, rows.shape[1]), rows.ravel())
+
+
+def _cell_array(data, support, offsets, corners):
     cells = data.vtkCellArray()
-    size = rows.shape[1]
-    offsets = numpy.arange(0, rows.size + 1, size, dtype=numpy.int64)
-    connectivity = numpy.ascontiguousarray(rows, dtype=numpy.int64).ravel()
     # Deep copies: a vtkCellArray takes the memory over without the reference to its owner.
-    cells.SetData(*(support.numpy_to_vtkIdTypeArray(part, deep=1)
-                    for part in (offsets, connectivity)))
+    cells.SetData(*(support.numpy_to_vtkIdTypeArray(
+        numpy.ascontiguousarray(part, dtype=numpy.int64), deep=1) for part in (offsets, corners)))
     return cells
 
 
@@ -40,22 +41,22 @@ def _add(support, attributes, fields):
 
 def unstructured_grid(points, hexahedra, point_fields, cell_fields):
     core, data, support = require()
-    grid = data.vtkUnstructuredGrid()
-    grid.SetPoints(_points(core, support, points))
-    grid.SetCells(data.VTK_HEXAHEDRON, _cells(core, data, support, hexahedra))
-    _add(support, grid.GetPointData(), point_fields)
-    _add(support, grid.GetCellData(), cell_fields)
-    return grid
+    return _grid(points, _cells(core, data, support, hexahedra),
+                 numpy.full(len(hexahedra), data.VTK_HEXAHEDRON), point_fields, cell_fields)
 
 
 def grid_of(points, corners, sizes, types, point_fields, cell_fields):
     """A grid of any cells: `corners` has the points of all, one cell after the other, `sizes` how
     many each has, and `types` VTK's numbers of their kinds."""
-    core, data, support = require()
-    grid, cells = data.vtkUnstructuredGrid(), data.vtkCellArray()
+    _, data, support = require()
     offsets = numpy.concatenate(([0], numpy.cumsum(sizes)))
-    cells.SetData(*(support.numpy_to_vtkIdTypeArray(part.astype(numpy.int64), deep=1)
-                    for part in (offsets, corners)))
+    return _grid(points, _cell_array(data, support, offsets, corners), types, point_fields,
+                 cell_fields)
+
+
+def _grid(points, cells, types, point_fields, cell_fields):
+    core, data, support = require()
+    grid = data.vtkUnstructuredGrid()
     grid.SetPoints(_points(core, support, points))
     grid.SetCells(support.numpy_to_vtk(types.astype(numpy.uint8), deep=1), cells)
     _add(support, grid.GetPointData(), point_fields)

@@ -7,9 +7,11 @@
 namespace suture {
 
 /// Number of a cell, a vertex or an element. 32 bits halve the memory traffic of 64, and suffice
-/// for the 67 million hexahedra that links can address (topology/incidence.hpp).
+/// for the hexahedra that links can address.
 using Index = std::uint32_t;
 inline constexpr Index none = 0xFFFFFFFFu;
+/// The most hexahedra of a body: links number fewer than 2^26 (topology/incidence.hpp).
+inline constexpr Index max_elements = (Index{1} << 26) - 1;
 
 /// 24 e + 4 f + k: element e, face f of dart[6][4], position k.
 using Dart = std::uint32_t;

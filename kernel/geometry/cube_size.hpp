@@ -13,9 +13,6 @@
 
 namespace suture {
 
-/// Links name 2^26 elements (topology/incidence.hpp).
-inline constexpr double max_cubes = 67e6;
-
 /// Four digits.
 std::string number_text(double x);
 /// "0.1 x 0.2 x 0.3 m".
@@ -46,9 +43,9 @@ template <class Fill>
 auto fill_with_cells(const TriangleSurface& surface, std::size_t cells, Fill fill,
                      Diagnostics& diagnostics) {
   const double wanted = double(cells);
-  if (wanted > max_cubes)
-    throw InputError(surface.source + ": " + grouped(cells) +
-                     " cells exceed the 67,000,000 that the map can number");
+  if (wanted > max_elements)
+    throw InputError(surface.source + ": " + grouped(cells) + " cells exceed the " +
+                     grouped(max_elements) + " that the map can number");
   double edge = std::cbrt(volume_of(surface) / wanted);
   if (!(edge > 0)) throw InputError(surface.source + ": the surface encloses no volume");
   double short_edge = 0, long_edge = std::numeric_limits<double>::infinity();

@@ -2,9 +2,9 @@
 #include "kernel/mesh/box.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "kernel/base/error.hpp"
+#include "kernel/mesh/file_text.hpp"
 
 namespace suture {
 namespace {
@@ -18,8 +18,7 @@ std::string number(double value) {
 }
 
 void check(const BoxOptions& box) {
-  constexpr std::uint64_t max_darts = std::numeric_limits<Dart>::max();
-  double hexahedra = 1, points = 1;
+  double hexahedra = 1;
   for (int a = 0; a < 3; ++a) {
     const std::string axis = box_axis_name[a];
     if (box.cells[a] == 0) {
@@ -38,11 +37,10 @@ void check(const BoxOptions& box) {
                        " (last cell / first cell) must be positive and finite");
     }
     hexahedra *= box.cells[a];
-    points *= box.cells[a] + 1.0;
   }
-  if (hexahedra > double(max_darts / 24) || points >= double(none)) {
+  if (hexahedra > max_elements) {
     throw InputError("box: " + number(hexahedra) + " hexahedra exceed the " +
-                     std::to_string(max_darts / 24) + " that 32-bit darts can number");
+                     grouped(max_elements) + " that the map can number");
   }
 }
 

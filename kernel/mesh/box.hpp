@@ -17,8 +17,8 @@ struct BoxOptions {
 /// largest x), "y0", ... The ends are exactly `origin` and `origin + size`; a box centred at the
 /// origin is exactly mirror-symmetric, and grading 1/g is the mirror image of grading g. Throws
 /// InputError if there are no cells, if size or grading are not positive and finite, if there are
-/// more hexahedra than darts can number, or if cells are thinner than the rounding of a coordinate.
-/// Cost: 0.02 us per hexahedron, 56 B.
+/// more hexahedra than the map can number, or if cells are thinner than the rounding of a
+/// coordinate. Cost: 0.02 us per hexahedron, 56 B.
 Mesh make_box(const BoxOptions& options);
 
 /// The same box relative to its own origin: exactly the points of the box at 0, and `origin` as

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/sort_unique.hpp"
+#include "kernel/mesh/file_text.hpp"
 
 namespace suture {
 namespace {
@@ -22,8 +22,9 @@ void check(const VoxelOptions& voxels, std::size_t columns) {
   }
   if (voxels.layers == 0) throw InputError("voxels: 0 layers; at least 1 is needed");
   const double cells = double(columns) * double(voxels.rows.size()) * voxels.layers;
-  if (cells > double(std::numeric_limits<Dart>::max() / 24)) {
-    throw InputError("voxels: the drawing has more cells than 32-bit darts can number");
+  if (cells > max_elements) {
+    throw InputError("voxels: the drawing has more cells than the " + grouped(max_elements) +
+                     " that the map can number");
   }
 }
 

@@ -10,9 +10,6 @@
 namespace suture::scene_parts {
 namespace {
 
-// More cells along one axis than elements that darts can number (2^32 / 24).
-constexpr std::uint64_t max_cells = 178'956'970;
-
 std::optional<std::array<Index, 3>> read_cells(ObjectReader& box) {
   const JsonValue* value = box.require("cells", "the number of cells along each axis [nx, ny, nz]");
   if (value == nullptr) return {};
@@ -26,15 +23,14 @@ std::optional<std::array<Index, 3>> read_cells(ObjectReader& box) {
   bool good = true;
   for (std::size_t a = 0; a < 3; ++a) {
     const auto count =
-        read_natural(value->items[a], child_path(path, a), 1, max_cells, box.mistakes());
+        read_natural(value->items[a], child_path(path, a), 1, max_elements, box.mistakes());
     cells[a] = static_cast<Index>(count.value_or(0));
     good = good && count.has_value();
   }
   if (!good) return {};
-  const double total = double(cells[0]) * cells[1] * cells[2];
-  if (total > double(max_cells)) {
-    box.complain("cells", "are " + std::to_string(std::uint64_t(total)) +
-                              " in total; the map can number at most " + std::to_string(max_cells));
+  if (double(cells[0]) * cells[1] * cells[2] > max_elements) {
+    box.complain("cells", "are more in total than the map can number, at most " +
+                              std::to_string(max_elements));
   }
   return cells;
 }

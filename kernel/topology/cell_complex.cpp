@@ -15,10 +15,9 @@ using namespace incidence;
 namespace {
 
 void check_size(std::size_t elements) {
-  if (elements >= incidence::max_elements)
+  if (elements > max_elements)
     throw TopologyError("the mesh has " + std::to_string(elements) +
-                        " elements; the map can address at most " +
-                        std::to_string(incidence::max_elements - 1));
+                        " elements; the map can address at most " + std::to_string(max_elements));
 }
 
 /// Cuts append cells; room for them in advance keeps a small cut of a large map from

@@ -109,9 +109,9 @@ TopologyChange CellComplex::clone_volume(const Cloning& cloning) {
 /// Empty if the cloning is possible.
 std::string CellComplex::why_no_cloning(const Cloning& cloning) const {
   const auto& origins = cloning.origins;
-  if (element_count() + origins.size() >= incidence::max_elements)
+  if (element_count() + origins.size() > max_elements)
     return "the map would have " + std::to_string(element_count() + origins.size()) +
-           " elements; it can address at most " + std::to_string(incidence::max_elements - 1);
+           " elements; it can address at most " + std::to_string(max_elements);
   for (const Index e : origins)
     if (e >= element_count() || !exists(3, e))
       return "element " + std::to_string(e) + " does not exist; only an existing one can be copied";

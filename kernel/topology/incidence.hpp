@@ -15,9 +15,8 @@ using hexahedron::Local;
 
 /// A dart, or `none`, in the form in which beta3 is stored: element << 5 | local dart. Decoding
 /// needs shifts, whereas 24 e + d needs a division (a third of the time of a cut). The highest bit
-/// is reserved for marks, so there are fewer than 2^26 elements.
+/// is reserved for marks, so there are fewer than 2^26 elements (`max_elements`).
 using Link = std::uint32_t;
-inline constexpr Index max_elements = Index{1} << 26;
 inline constexpr Link link_of(Index element, unsigned dart) { return element << 5 | dart; }
 inline constexpr Dart dart_of(Link link) { return 24 * (link >> 5) + (link & 31); }
 

@@ -89,6 +89,7 @@ TEST(Box, RefusesWhatIsNoBox) {
   EXPECT_THROW(make_box({.grading = {0, 1, 1}}), InputError);
   EXPECT_THROW(make_box({.cells = {4000000000u, 1, 1}}), InputError);
   EXPECT_THROW(make_box({.cells = {1000, 1000, 1000}}), InputError);
+  EXPECT_THROW(make_box({.cells = {max_elements + 1, 1, 1}}), InputError);
   EXPECT_THROW(make_box({.origin = {1e16, 0, 0}, .cells = {10, 1, 1}}), InputError);
 }
 

@@ -215,7 +215,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSet{"/mesh/bad_elements=dropp", "/mesh/bad_elements", "did you mean 'drop'"},
         BadSet{"/mesh={\"file\": \"nowhere.vtu\"}", "/mesh/file", "no file"},
         BadSet{"/mesh/box/cells/0=0", "/mesh/box/cells/0", ">= 1"},
-        BadSet{"/mesh/box/cells=[100000,100000,100000]", "/mesh/box/cells", "at most 178956970"},
+        BadSet{"/mesh/box/cells=[100000,100000,100000]", "/mesh/box/cells", "at most 67108863"},
         BadSet{"/mesh={\"voxels\": {\"size\": 1, \"rows\": [\"..\"]}}", "/mesh/voxels/rows",
                "no cube"},
         BadSet{"/models=[]", "/models", "at least one"},

@@ -3,10 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 namespace suture::test {
 namespace {
+
+std::string percent(double fraction) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %%", 100 * fraction);
+  return text;
+}
 
 /// The warning that what follows is not what was asked for, or nothing.
 std::string warning_of(const Result& result) {
@@ -71,8 +78,7 @@ void judge_stress(const Trial& trial, Result& result) {
   if (!must_say && is_within(trial, result) && (is_checked || warning.empty())) return;
   if (!warning.empty()) return set(Verdict::warned, warning);
   set(must_say ? Verdict::finished_wrong : Verdict::inaccurate,
-      "differs by " + std::to_string(100 * result.difference) + " %, energy grew by " +
-          std::to_string(100 * result.growth) + " %");
+      "differs by " + percent(result.difference) + ", energy grew by " + percent(result.growth));
 }
 
 }  // namespace suture::test

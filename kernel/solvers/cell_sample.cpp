@@ -111,7 +111,7 @@ CellSample::CellSample(const TangentMatrix& a, const Interpolation& p,
   for (std::size_t i = 0; i < cells.functors.size(); ++i) choose(cells, i);
 }
 
-/// Of springs and other small cells several in each octant: they point in different directions.
+/// Springs and other small cells point in different directions: several are chosen in each octant.
 void CellSample::choose(const Places& cells, std::size_t functor) {
   struct Choice {
     std::size_t cell = 0;

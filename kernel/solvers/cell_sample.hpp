@@ -10,10 +10,10 @@ namespace suture {
 
 /// Some cells of a body that stand for all of them in the operator of a coarse level, as the points
 /// of a quadrature do. A cell belongs to the coarse node with the largest share of its vertices,
-/// and to the octant around that node in which its middle is. Of the hexahedra in an octant, the
-/// sample has the one next to a point of Gauss' rule (two points along each axis of a coarse cell).
-/// Of smaller cells it has several: together as many nodes, at scattered places. The weight of a
-/// cell is the number of those that it stands for.
+/// and to the octant around that node in which its middle is. In each octant, the sample has the
+/// hexahedron next to a point of Gauss' rule (two points along each axis of a coarse cell), or
+/// several smaller cells: together as many nodes, at scattered places. The weight of a cell is the
+/// number of those that it stands for.
 ///
 /// The sample follows cuts as the coarse nodes do, and depends on the cells alone.
 class CellSample {

@@ -19,9 +19,9 @@
 // every level. The systems P^T A P q = P^T r are solved to a tenth by conjugate gradients. Their
 // products use the matrix-free tangent of the body in single precision. The preconditioner is the
 // V-cycle from that level. Its operators come from a sample of the cells
-// (solvers/cell_sample.hpp): 64 nodes of cells (8 elements, or 32 springs) for each coarse node
-// and functor, at scattered places. On level 2 the sample is a fifth of the cells, on level 3 a
-// fortieth. Operators are computed in every second iteration.
+// (solvers/cell_sample.hpp): one hexahedron, or four springs, in each octant around a coarse node.
+// On level 2 the sample is an eighth of the cells, on level 3 a 64th. Operators are computed in
+// every second iteration.
 
 namespace suture {
 namespace {

@@ -41,19 +41,56 @@ void multiply_column(const double* matrix, const Weights& weights, std::size_t n
   }
 }
 
-/// block = P^T half for one coarse node, of 8 cells at once. Only unrolled loops keep the sums in
-/// registers.
+/// block = P^T half for one coarse node, of 8 cells at once: to out, out + stride, ... in the order
+/// of BlockRows. Only unrolled loops keep the sums in registers.
 SUTURE_CLONES
-void multiply_row(const Weights& weights, const double* half, double* block) {
+void multiply_row(const Weights& weights, const double* half, double* out, std::size_t stride) {
   Lanes sums[9]{};
   for (std::size_t k = 0; k < weights.count; ++k) {
     const Lanes weight = lanes_of(weights.values)[weights.nodes[k]];
     const Lanes* values = lanes_of(half) + weights.nodes[k] * 9;
 #pragma GCC unroll 9
-    for (std::size_t c = 0; c < 9; ++c) sums[c] += weight * values[c];
+    for (std::size_t c = 0; c < 9; ++c) sums[c] += weight * values[c % 3 * 3 + c / 3];
   }
-#pragma GCC unroll 9
-  for (std::size_t c = 0; c < 9; ++c) lanes_of(block)[c] = sums[c];
+  // The transpose of the first 8 rows: pairs of numbers, of pairs, of fours.
+  Lanes two[8], four[8];
+#pragma GCC unroll 4
+  for (std::size_t c = 0; c < 8; c += 2) {
+    two[c] = __builtin_shufflevector(sums[c], sums[c + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    two[c + 1] = __builtin_shufflevector(sums[c], sums[c + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+#pragma GCC unroll 4
+  for (std::size_t c = 0; c < 4; ++c) {
+    const std::size_t low = c / 2 * 4 + c % 2;
+    four[low] = __builtin_shufflevector(two[low], two[low + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+    four[low + 2] = __builtin_shufflevector(two[low], two[low + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+  }
+#pragma GCC unroll 4
+  for (std::size_t l = 0; l < 4; ++l) {
+    *lanes_of(out + l * stride) =
+        __builtin_shufflevector(four[l], four[l + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    *lanes_of(out + (l + 4) * stride) =
+        __builtin_shufflevector(four[l], four[l + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+#pragma GCC unroll 8
+  for (std::size_t l = 0; l < lanes; ++l) out[l * stride + 8] = sums[8][l];
+}
+
+/// to += factor * from.
+SUTURE_CLONES
+void add_values(double factor, const double* from, double* to, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) to[i] += factor * from[i];
+}
+
+/// Adds factor * values to the blocks of a row at some places.
+SUTURE_CLONES
+void add_blocks(double factor, const double* values, std::size_t step, const Index* places,
+                std::size_t count, double* blocks) {
+  for (std::size_t k = 0; k < count; ++k, values += step, step += 9) {
+    double* const block = blocks + std::size_t{places[k]} * 9;
+    *lanes_of(block) += factor * *lanes_of(values);
+    block[8] += factor * values[8];
+  }
 }
 
 /// The place of the block (a, b), a <= b, among those of the upper triangle, column by column.
@@ -63,7 +100,19 @@ std::size_t upper(std::size_t a, std::size_t b) { return b * (b + 1) / 2 + a; }
 
 CellProjection::CellProjection(const Interpolation& interpolation,
                                const std::vector<std::uint8_t>& free, BlockRows<double>& sum)
-    : p_(interpolation), free_(free), sum_(sum), place_(sum.pattern().rows()) {}
+    : p_(interpolation),
+      free_(free),
+      sum_(sum),
+      place_(sum.pattern().rows()),
+      diagonal_(sum.pattern().rows()),
+      number_(sum.pattern().rows()) {
+  const BlockPattern& pattern = sum.pattern();
+  for (Index row = 0; row < pattern.rows(); ++row) {
+    const auto columns = pattern.row(row);
+    const auto found = std::ranges::lower_bound(columns, row) - columns.begin();
+    diagonal_[row] = pattern.begin[row] + static_cast<Index>(found);
+  }
+}
 
 void CellProjection::subtract(const CellTangents& cells, std::span<const float> weights) {
   list_nodes(cells);
@@ -71,7 +120,7 @@ void CellProjection::subtract(const CellTangents& cells, std::span<const float> 
   project(free_part(cells), cells.nodes);
   for (std::size_t first = 0, end = 0; first < cells.cells; first = end) {
     for (end = first + 1; end < cells.cells && lists_[end] == lists_[first];) ++end;
-    collect(first, end, weights);
+    collect(first, end, end == cells.cells, weights);
   }
 }
 
@@ -132,7 +181,8 @@ const double* CellProjection::free_part(const CellTangents& cells) {
 
 void CellProjection::project(const double* matrix, Index nodes) {
   half_.resize(std::size_t{nodes} * 9 * lanes);
-  coarse_.resize(upper(0, width_) * 9 * lanes);
+  const std::size_t stride = upper(0, width_) * 9;
+  coarse_.resize(stride * lanes);
   const auto weights = [&](std::size_t place) {
     Weights result{weights_.data() + place * nodes * lanes, {}, 0};
     for (Index n = 0; n < nodes; ++n)
@@ -142,32 +192,46 @@ void CellProjection::project(const double* matrix, Index nodes) {
   for (std::size_t b = 0; b < width_; ++b) {
     multiply_column(matrix, weights(b), nodes, half_.data());
     for (std::size_t a = 0; a <= b; ++a)
-      multiply_row(weights(a), half_.data(), coarse_.data() + upper(a, b) * 9 * lanes);
+      multiply_row(weights(a), half_.data(), coarse_.data() + upper(a, b) * 9, stride);
   }
 }
 
-/// Cells first .. end - 1 have the same coarse nodes.
-void CellProjection::collect(std::size_t first, std::size_t end, std::span<const float> weights) {
-  if (lists_[first] != pending_nodes_) {
+/// Cells first .. end - 1 have the same coarse nodes, and perhaps those that follow if they are the
+/// `last` of a batch.
+void CellProjection::collect(std::size_t first, std::size_t end, bool is_last,
+                             std::span<const float> weights) {
+  const std::vector<Index>& nodes = lists_[first];
+  const auto values = [&](std::size_t l) { return coarse_.data() + l * upper(0, width_) * 9; };
+  const auto factor = [&](std::size_t l) { return weights.empty() ? -1 : -double{weights[l]}; };
+  if (nodes != pending_nodes_) {
     finish();
-    pending_nodes_ = lists_[first];
-    pending_.assign(upper(0, pending_nodes_.size()) * 9, 0.0);
+    if (end == first + 1 && !is_last) return add(nodes, factor(first), values(first));
+    pending_nodes_ = nodes;
+    pending_.assign(upper(0, nodes.size()) * 9, 0.0);
   }
-  for (std::size_t l = first; l < end; ++l) {
-    const double weight = weights.empty() ? 1 : double{weights[l]}, *lane = coarse_.data() + l;
-    for (std::size_t i = 0; i < pending_.size(); ++i) pending_[i] -= weight * lane[i * lanes];
-  }
+  for (std::size_t l = first; l < end; ++l)
+    add_values(factor(l), values(l), pending_.data(), pending_.size());
 }
 
 void CellProjection::finish() {
-  const std::span<const Index> nodes = pending_nodes_;
-  for (std::size_t a = 0; a < nodes.size(); ++a)
-    sum_.add_row(nodes[a], nodes.subspan(a), [&](std::size_t k, double* block) {
-      const double* values = pending_.data() + upper(a, a + k) * 9;
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) block[3 * j + i] += values[i * 3 + j];
-    });
+  add(pending_nodes_, 1, pending_.data());
   pending_nodes_.clear();
+}
+
+/// Adds factor * values, blocks of the upper triangle, to the rows of some nodes. The places of the
+/// blocks are those of the nodes' numbers among the columns; no branch depends on a column.
+void CellProjection::add(std::span<const Index> nodes, double factor, const double* values) {
+  const BlockPattern& pattern = sum_.pattern();
+  targets_.resize(nodes.size() + 1);
+  for (std::size_t k = 0; k < nodes.size(); ++k) number_[nodes[k]] = static_cast<Index>(k + 1);
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    const Index row = nodes[a];
+    for (Index i = diagonal_[row]; i < pattern.begin[row + 1]; ++i)
+      targets_[number_[pattern.column[i]]] = i;
+    add_blocks(factor, values + upper(a, a) * 9, (a + 1) * 9, targets_.data() + a + 1,
+               nodes.size() - a, sum_.block(0));
+  }
+  for (const Index node : nodes) number_[node] = 0;
 }
 
 }  // namespace suture

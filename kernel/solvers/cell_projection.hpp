@@ -11,7 +11,7 @@ namespace suture {
 
 /// Sums P^T A P over cell matrices A, on the free components: the operator of a coarse level from
 /// those of the fine cells. Consecutive cells with the same coarse nodes are summed before they are
-/// added to the matrix. Only blocks of the upper triangle are computed.
+/// added to the matrix; others are added at once. Only blocks of the upper triangle are computed.
 class CellProjection {
  public:
   /// `sum` must have a block for any two coarse nodes of a cell.
@@ -32,16 +32,21 @@ class CellProjection {
   void set_weights(const CellTangents& cells, std::size_t lane);
   const double* free_part(const CellTangents& cells);
   void project(const double* matrix, Index nodes);
-  void collect(std::size_t first, std::size_t end, std::span<const float> weights);
+  void collect(std::size_t first, std::size_t end, bool is_last, std::span<const float> weights);
+  void add(std::span<const Index> nodes, double factor, const double* values);
 
   const Interpolation& p_;
   const std::vector<std::uint8_t>& free_;
   BlockRows<double>& sum_;
   std::array<std::vector<Index>, lanes> lists_;  ///< coarse nodes of every cell, ascending
   std::size_t width_ = 0;                        ///< of the longest list
-  AlignedVector<double> matrix_, weights_, half_, coarse_;
+  AlignedVector<double> matrix_, weights_, half_;
+  AlignedVector<double> coarse_;    ///< cell by cell, blocks as in pending_
   std::vector<Index> place_;        ///< of a coarse node in the list at hand; of others anything
   std::vector<std::uint8_t> used_;  ///< per place in the lists, a bit for each node with a weight
+  std::vector<Index> diagonal_;     ///< of every row, the place of its block on the diagonal
+  std::vector<Index> number_;       ///< of a coarse node in add(), from 1 on; 0: it has none
+  std::vector<Index> targets_;      ///< of the blocks of a row, by number; the first is not used
   std::vector<Index> pending_nodes_;
   std::vector<double> pending_;  ///< blocks of the upper triangle, column by column
 };

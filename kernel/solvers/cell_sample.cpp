@@ -2,23 +2,51 @@
 #include "kernel/solvers/cell_sample.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace suture {
 namespace {
 
-/// The coarse node with the largest share of the first and the last vertex of a cell, which are
-/// opposite each other; `none` if there is none.
-class Owner {
- public:
-  explicit Owner(const Interpolation& p) : p_(p) {}
+/// Where a cell is: the coarse node with the largest share of its first and its last vertex, which
+/// are opposite each other, and the place of their middle beside that node.
+struct CellPlace {
+  Index owner = none;   ///< `none` if no node has a share
+  unsigned octant = 0;  ///< around the owner
+  float misfit = 0;     ///< with the point of the quadrature in that octant
+};
 
-  Index operator()(std::span<const Index> vertices) {
+class FindPlace {
+ public:
+  FindPlace(const Interpolation& p, std::span<const Vec3> places) : p_(p), places_(places) {}
+
+  CellPlace operator()(std::span<const Index> vertices) {
+    // The points of Gauss' rule with two points along each axis of a coarse cell, from its ends.
+    constexpr double gauss = 0.2113248654;
     shares_.clear();
+    Vec3 middle{};
     for (const Index v : {vertices.front(), vertices.back()})
-      for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i) add(p_.node[i], p_.weight[i]);
+      for (Index i = p_.begin[v]; i < p_.begin[v + 1]; ++i) {
+        add(p_.node[i], p_.weight[i]);
+        for (std::size_t c = 0; c < 3; ++c)
+          middle[c] += 0.5 * double{p_.weight[i]} * places_[p_.node[i]][c];
+      }
     const auto largest = std::ranges::max_element(shares_, {}, &Share::weight);
-    return largest == shares_.end() ? none : largest->node;
+    if (largest == shares_.end()) return {};
+    CellPlace result{largest->node};
+    // Both squared: the distance from the point, and the difference of the owner's shares. Where
+    // few cells are to choose from, the latter decides which of them integrates best.
+    const double share = 0.5 * double{largest->weight} - std::pow(1 - gauss, 3);
+    double misfit = share * share;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double from_owner = middle[c] - places_[result.owner][c];
+      const double to_point = std::abs(from_owner) - gauss;
+      result.octant |= static_cast<unsigned>(from_owner > 0) << c;
+      misfit += to_point * to_point;
+    }
+    result.misfit = static_cast<float>(misfit);
+    return result;
   }
 
  private:
@@ -35,72 +63,83 @@ class Owner {
   }
 
   const Interpolation& p_;
+  std::span<const Vec3> places_;
   std::vector<Share> shares_;
 };
 
-/// A number below `period` that differs from one coarse node and window to the next.
-Index place_in_window(Index node, Index window, Index period) {
-  std::uint32_t hash = node * 0x9E3779B9u + window * 0x85EBCA6Bu;
+/// A number that differs from one cell to the next.
+float scattered(std::size_t cell) {
+  std::uint32_t hash = static_cast<std::uint32_t>(cell) * 0x9E3779B9u;
   hash = (hash ^ hash >> 15) * 0x2C1B3C6Du;
-  return (hash ^ hash >> 13) % period;
+  return static_cast<float>(hash ^ hash >> 13);
 }
 
 }  // namespace
 
-/// The coarse node of every cell, in the order of the cells, functor by functor.
-struct CellSample::Owners {
+/// The place of every cell, in the order of the cells, functor by functor.
+struct CellSample::Places {
   struct Functor {
     Index number, nodes;  ///< of a cell
     std::size_t begin;    ///< its first cell
   };
-  std::vector<Index> owner;
+  std::vector<CellPlace> of_cell;
   std::vector<Functor> functors;
-  Index coarse_nodes = 0;
+  std::size_t coarse_nodes;
 
-  Owners(const TangentMatrix& a, const Interpolation& p) {
-    for (const Index node : p.node) coarse_nodes = std::max(coarse_nodes, node + 1);
-    Owner find(p);
+  Places(const TangentMatrix& a, const Interpolation& p, std::span<const Vec3> places)
+      : coarse_nodes(places.size()) {
+    FindPlace find(p, places);
     a.for_some_cells(
         [&](const CellTangents& cell) {
           if (functors.empty() || functors.back().number != cell.functor ||
               functors.back().nodes != cell.nodes)
-            functors.push_back({cell.functor, cell.nodes, owner.size()});
-          owner.push_back(find({cell.vertices, cell.nodes}));
+            functors.push_back({cell.functor, cell.nodes, of_cell.size()});
+          of_cell.push_back(find({cell.vertices, cell.nodes}));
           return false;
         },
         [](const CellTangents&) {});
   }
   std::size_t end(std::size_t functor) const {
-    return functor + 1 < functors.size() ? functors[functor + 1].begin : owner.size();
+    return functor + 1 < functors.size() ? functors[functor + 1].begin : of_cell.size();
   }
 };
 
-CellSample::CellSample(const TangentMatrix& a, const Interpolation& p, Index nodes_of_cells) {
-  const Owners owners(a, p);
-  is_chosen_.resize(owners.owner.size());
-  for (std::size_t i = 0; i < owners.functors.size(); ++i) choose(owners, i, nodes_of_cells);
+CellSample::CellSample(const TangentMatrix& a, const Interpolation& p,
+                       std::span<const Vec3> places) {
+  const Places cells(a, p, places);
+  is_chosen_.resize(cells.of_cell.size());
+  for (std::size_t i = 0; i < cells.functors.size(); ++i) choose(cells, i);
 }
 
-/// One of every few cells of a node, at a place that changes: regular places would all be on the
-/// same side of the node.
-void CellSample::choose(const Owners& owners, std::size_t functor, Index nodes_of_cells) {
-  const Index wanted = std::max(nodes_of_cells / owners.functors[functor].nodes, Index{1});
-  const std::size_t begin = owners.functors[functor].begin, end = owners.end(functor);
-  std::vector<Index> cells(owners.coarse_nodes), seen(cells.size()), chosen(cells.size());
-  for (std::size_t i = begin; i < end; ++i)
-    if (owners.owner[i] != none) ++cells[owners.owner[i]];
+/// Springs and other small cells point in different directions: several are chosen in each octant.
+void CellSample::choose(const Places& cells, std::size_t functor) {
+  struct Choice {
+    std::size_t cell = 0;
+    float misfit = std::numeric_limits<float>::infinity(), cells = 0;
+  };
+  constexpr unsigned octants = 8;
+  const std::size_t begin = cells.functors[functor].begin, end = cells.end(functor);
+  const std::size_t parts =
+      std::max(hexahedron::vertices / cells.functors[functor].nodes, Index{1});
+  std::vector<Choice> choices(cells.coarse_nodes * octants * parts);
+  const auto choice_of = [&](std::size_t i) -> Choice& {
+    const CellPlace& place = cells.of_cell[i];
+    return choices[(std::size_t{place.owner} * octants + place.octant) * parts + i % parts];
+  };
   for (std::size_t i = begin; i < end; ++i) {
-    const Index node = owners.owner[i];
-    if (node == none) continue;
-    const Index period = std::max(cells[node] / wanted, Index{1}), place = seen[node]++;
-    is_chosen_[i] = place % period == place_in_window(node, place / period, period);
-    chosen[node] += is_chosen_[i];
+    if (cells.of_cell[i].owner == none) continue;
+    Choice& choice = choice_of(i);
+    ++choice.cells;
+    const float misfit = parts == 1 ? cells.of_cell[i].misfit : scattered(i);
+    if (misfit >= choice.misfit) continue;
+    choice.misfit = misfit;
+    choice.cell = i;
   }
-  for (std::size_t i = begin; i < end; ++i)
-    if (is_chosen_[i]) {
-      const Index node = owners.owner[i];
-      weights_.push_back(static_cast<float>(cells[node]) / static_cast<float>(chosen[node]));
-    }
+  for (std::size_t i = begin; i < end; ++i) {
+    if (cells.of_cell[i].owner == none || choice_of(i).cell != i) continue;
+    is_chosen_[i] = true;
+    weights_.push_back(choice_of(i).cells);
+  }
 }
 
 void CellSample::for_each_cell(const TangentMatrix& a, const Visit& visit) const {

@@ -9,16 +9,18 @@
 namespace suture {
 
 /// Some cells of a body that stand for all of them in the operator of a coarse level, as the points
-/// of a quadrature do. A cell belongs to the coarse node with the largest share of its vertices;
-/// of those of a functor, every coarse node has a few in the sample, scattered over its support.
-/// Their weights add up to the number of cells that belong to the node.
+/// of a quadrature do. A cell belongs to the coarse node with the largest share of its vertices,
+/// and to the octant around that node in which its middle is. In each octant, the sample has the
+/// hexahedron next to a point of Gauss' rule (two points along each axis of a coarse cell), or
+/// several smaller cells: together as many nodes, at scattered places. The weight of a cell is the
+/// number of those that it stands for.
 ///
 /// The sample follows cuts as the coarse nodes do, and depends on the cells alone.
 class CellSample {
  public:
-  /// `p`: from the coarse level to the vertices. `nodes_of_cells`: how many nodes the cells of one
-  /// functor have together that belong to one coarse node. O(cells); computes no tangents.
-  CellSample(const TangentMatrix& a, const Interpolation& p, Index nodes_of_cells);
+  /// `p`: from the coarse level to the vertices; `places`: of the coarse nodes, in multiples of
+  /// their spacing. O(cells); computes no tangents.
+  CellSample(const TangentMatrix& a, const Interpolation& p, std::span<const Vec3> places);
 
   /// Visits the matrices of the sample, with the weight of each cell: see
   /// TangentMatrix::for_each_cell.
@@ -28,8 +30,8 @@ class CellSample {
   std::size_t size() const { return weights_.size(); }
 
  private:
-  struct Owners;
-  void choose(const Owners& owners, std::size_t functor, Index nodes_of_cells);
+  struct Places;
+  void choose(const Places& cells, std::size_t functor);
 
   std::vector<bool> is_chosen_;  ///< per cell, in the order of for_some_cells()
   std::vector<float> weights_;   ///< of the chosen ones

@@ -14,10 +14,6 @@ namespace {
 constexpr unsigned smoothing = 2, max_iterations = 20;
 constexpr double tolerance = 0.1;
 
-/// Nodes of the cells of a sample per coarse node. On grids 64: 8 hexahedra, 32 springs. Elsewhere
-/// cells differ, and some coarse nodes have a small part in few of them.
-Index sampled_nodes(bool on_grid) { return on_grid ? 64 : 128; }
-
 /// P = P1 P2 for the interpolations P1 and P2 to a level and from the next coarser one to it.
 Interpolation product(const Interpolation& finer, const Interpolation& coarser) {
   Interpolation result;
@@ -52,7 +48,7 @@ CoarseSystem::CoarseSystem(const CoarseLevels& coarse, std::size_t level, const 
       coarsest_(*coarse.coarsest),
       level_(level),
       p_(to_vertices(levels_, level)),
-      sample_(a, p_, sampled_nodes(coarse.on_grid)),
+      sample_(a, p_, levels_[level].places),
       image_(single_vector(levels_[0].nodes())) {
   for (std::size_t l = 0; l < level; ++l) scratch_.push_back(single_vector(levels_[l].nodes()));
 }

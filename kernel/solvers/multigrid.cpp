@@ -32,7 +32,7 @@ class Multigrid final : public Preconditioner {
   CoarseLevels coarse_levels(const TangentMatrix& a) override {
     if (levels_.empty()) make(a.free());
     if (direct_) return {};
-    return {&levels_, &coarsest_, on_grid_};
+    return {&levels_, &coarsest_};
   }
 
   void apply(const double* r, double* z) const override {

@@ -38,6 +38,7 @@ MultigridLevel coarser_level(Coarsening& coarsening, const MultigridLevel& finer
   level.held = held_nodes(coarsening.interpolation, nodes, finer.held);
   level.loose = loose_nodes(coarsening.interpolation, nodes, finer.loose);
   level.pattern = pattern_of(coarsening.coarse);
+  level.places = coarsening.coarse.places;
   level.to_finer = std::move(coarsening.interpolation);
   return level;
 }
@@ -73,7 +74,7 @@ std::size_t MultigridLevel::bytes() const {
   return to_finer.begin.size() * sizeof(Index) + to_finer.node.size() * 2 * sizeof(Index) +
          (pattern.begin.size() + pattern.column.size()) * sizeof(Index) + matrix.bytes() +
          smoother.bytes() + 3 * x.size() * sizeof(float) + held.size() +
-         held_places.size() * sizeof(Index);
+         held_places.size() * sizeof(Index) + places.size() * sizeof(Vec3);
 }
 
 MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::uint8_t>& free,

@@ -11,6 +11,7 @@ namespace suture {
 /// A level of a multigrid hierarchy. The finest one is that of the vertices.
 struct MultigridLevel {
   Interpolation to_finer;          ///< not of the finest level
+  std::vector<Vec3> places;        ///< NodeGraph::places; not of the finest level
   Held held;                       ///< 3 per node
   std::vector<Index> held_places;  ///< those of `held` in rows of 4
   std::vector<bool> loose;         ///< nodes of pieces that nothing holds

@@ -16,7 +16,6 @@ class FactoredRows;
 struct CoarseLevels {
   std::deque<MultigridLevel>* levels = nullptr;
   FactoredRows* coarsest = nullptr;  ///< analysed
-  bool on_grid = false;              ///< the vertices are points of a grid
 };
 
 /// An approximate inverse of a tangent matrix: symmetric and positive definite. It belongs to the

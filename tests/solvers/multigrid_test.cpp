@@ -6,6 +6,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "kernel/base/vec3.hpp"
+#include "kernel/solvers/cell_projection.hpp"
 #include "kernel/solvers/choice.hpp"
 #include "kernel/solvers/coarse_system.hpp"
 #include "kernel/solvers/conjugate_gradients.hpp"
@@ -370,12 +371,12 @@ TEST(PreconditionerChoice, FollowsSizeAndMass) {
 // ------------------------------------------------------------ coarse systems --
 
 /// Trilinear interpolation from a grid four times as wide.
-Interpolation from_every_fourth(SolverBody& body) {
+Coarsening to_every_fourth(SolverBody& body) {
   NodeGraph graph = vertex_graph(body.complex(), body.attributes());
   for (Vec3& place : graph.places)
     for (double& x : place) x /= 2;
   graph.is_grid = false;
-  return coarsen(graph).interpolation;
+  return coarsen(graph);
 }
 
 /// The sum of the diagonals of cell matrices.
@@ -391,7 +392,8 @@ double trace(const CellTangents& cells, std::span<const float> weights = {}) {
 TEST(CellSample, StandsForAllCellsOfEveryFunctor) {
   for (const char* model : {"tm-faure", "mss-baudet"}) {
     SolverBody body(unit_box({12, 12, 24}), {.is_cut = slit, .model = model});
-    const CellSample sample(body.matrix(), from_every_fourth(body), 64);
+    const Coarsening fourth = to_every_fourth(body);
+    const CellSample sample(body.matrix(), fourth.interpolation, fourth.coarse.places);
     double all = 0, sampled = 0;
     std::size_t cells = 0, visited = 0;
     body.matrix().for_each_cell([&](const CellTangents& some) {
@@ -405,6 +407,45 @@ TEST(CellSample, StandsForAllCellsOfEveryFunctor) {
     EXPECT_NEAR(sampled / all, 1, 0.02) << model;
     EXPECT_LT(visited, cells / 2) << model;
   }
+}
+
+/// The stiffness at each coarse node: the traces of the diagonal blocks of the projected operator.
+std::vector<double> stiffness(const Coarsening& fourth, SolverBody& body,
+                              const CellSample* sample) {
+  const BlockPattern pattern = pattern_of(fourth.coarse);
+  BlockRows<double> sum(pattern);
+  CellProjection projection(fourth.interpolation, body.matrix().free(), sum);
+  const auto subtract = [&](const CellTangents& some, std::span<const float> weights) {
+    projection.subtract(some, weights);
+  };
+  if (sample)
+    sample->for_each_cell(body.matrix(), subtract);
+  else
+    body.matrix().for_each_cell([&](const CellTangents& some) { subtract(some, {}); });
+  projection.finish();
+  std::vector<double> result;
+  for (Index row = 0; row < pattern.rows(); ++row)
+    for (Index i = pattern.begin[row]; i < pattern.begin[row + 1]; ++i)
+      if (pattern.column[i] == row)
+        result.push_back(sum.block(i)[0] + sum.block(i)[4] + sum.block(i)[8]);
+  return result;
+}
+
+// At the end that is held, a layer of cells moves like none of the others.
+TEST(CellSample, IntegratesTheStiffnessOfEveryCoarseNode) {
+  SolverBody body(unit_box({12, 12, 24}));
+  const Coarsening fourth = to_every_fourth(body);
+  const CellSample sample(body.matrix(), fourth.interpolation, fourth.coarse.places);
+  const std::vector<double> all = stiffness(fourth, body, nullptr),
+                            sampled = stiffness(fourth, body, &sample);
+  ASSERT_EQ(all.size(), fourth.coarse.nodes());
+  double squares = 0, count = 0;
+  for (std::size_t node = 0; node < all.size(); ++node) {
+    if (fourth.coarse.places[node][2] < 2) continue;
+    squares += std::pow(sampled[node] / all[node] - 1, 2);
+    ++count;
+  }
+  EXPECT_LT(std::sqrt(squares / count), 0.2);
 }
 
 /// The relative error, in energy, of the coarse system's answer to the load of a displacement that

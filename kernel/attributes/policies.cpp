@@ -82,7 +82,7 @@ void SplitPolicies::follow(Column& column, Index rows) const {
 }
 
 void SplitPolicies::find_stars(const Stars& stars, Index cell_count) {
-  if (star_of_.size() < cell_count) star_of_.resize(cell_count);
+  star_of_.reserve(cell_count);
   for (Index i = 0; i < stars.cells.size(); ++i) star_of_[stars.cells[i]] = i;
 }
 

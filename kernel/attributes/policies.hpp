@@ -46,7 +46,7 @@ class SplitPolicies {
   /// Fractions of the incident volume, per split. Of several splits of one row, the
   /// first has the fraction of the old row, the others have 1.
   std::vector<double> old_share_, new_share_;
-  std::vector<Index> star_of_;  ///< cell -> position in Stars; read for its cells only
+  ZeroedIndices star_of_;  ///< cell -> position in Stars; read for its cells only
   std::vector<Index> source_row_;
   std::vector<double> volumes_, weights_, totals_;
 };

@@ -5,17 +5,17 @@
 #include <vector>
 
 #include "kernel/attributes/table.hpp"
+#include "kernel/base/zeroed_indices.hpp"
 
 namespace suture {
 
 /// The elements of one region that an operation touched, numbered 0, 1, ... in
 /// ascending order, so that values per touched element are contiguous and are found
-/// from a dart without a search. One array over all elements, never cleared: only
+/// from a dart without a search. One table over all elements, never cleared: only
 /// entries of elements in the change are read. Kept between operations.
 class TouchedElements {
  public:
-  /// Reserves the array; otherwise the first operation does. O(elements).
-  void reserve(Index element_count) { slot_.resize(element_count); }
+  void reserve(Index element_count) { slot_.reserve(element_count); }
 
   /// `changed`: TopologyChange::elements. O(changed).
   void select(const CellSet& region, std::span<const Index> changed) {
@@ -32,7 +32,7 @@ class TouchedElements {
   Index slot(Index element) const { return slot_[element]; }
 
  private:
-  std::vector<Index> slot_;
+  ZeroedIndices slot_;
   std::vector<Index> members_;
 };
 

@@ -228,7 +228,7 @@ void Contact::add_near(Index vertex) {
 void Contact::push(double dt) {
   push_out_of_obstacles(dt);
   for (int sweep = 0; edges_ && sweep < max_edge_sweeps; ++sweep) {
-    if (dt * edges_->sweep(dt) <= least_push * shortest_edge_) break;
+    if (dt * sweep_edges(dt) <= least_push * shortest_edge_) break;
     push_out_of_obstacles(dt);
   }
 }

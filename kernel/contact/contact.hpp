@@ -212,6 +212,7 @@ class Contact final : public ContactLaw {
   void find_at_edges();
   void push(double dt);
   void push_out_of_obstacles(double dt);
+  double sweep_edges(double dt);
   void settle_tools(const ContactStep& step);
   void release(const ContactStep& step);
   template <class Visit>
@@ -274,8 +275,9 @@ class Contact final : public ContactLaw {
   std::vector<Vec3> pair_tangential_;  ///< of the changes of pairs, m/s
   const LiveMask* moving_ = nullptr;   ///< vertices
   std::optional<CuttingEdges> edges_;
-  std::vector<double> forces_;     ///< without contact and acceleration, of boundary vertices, N
-  std::vector<Index> near_place_;  ///< in near_, by place in PieceContact::touching()
+  std::vector<Vec3> before_edges_;  ///< velocities of their vertices before a sweep
+  std::vector<double> forces_;      ///< without contact and acceleration, of boundary vertices, N
+  std::vector<Index> near_place_;   ///< in near_, by place in PieceContact::touching()
   std::vector<PointMass> point_masses_;       ///< of pushed_, with points, as those below
   std::vector<Index> near_of_points_;         ///< places in near_ of the vertices of each
   std::vector<std::size_t> first_near_;       ///< of each, in these, and their number

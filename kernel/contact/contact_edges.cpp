@@ -24,6 +24,19 @@ void Contact::find_at_edges() {
   }
 }
 
+/// Reports the vertices that have moved to the pieces. Returns the largest change of a velocity,
+/// m/s.
+double Contact::sweep_edges(double dt) {
+  const std::span<const Index> vertices = edges_->vertices();
+  const auto velocity = [&](Index v) { return row(attributes_.velocity().rows(), v); };
+  before_edges_.clear();
+  for (const Index v : vertices) before_edges_.push_back(velocity(v));
+  const double largest = edges_->sweep(dt);
+  for (std::size_t i = 0; pieces_ && i < vertices.size(); ++i)
+    pieces_->disturb(vertices[i], dt * norm(minus(velocity(vertices[i]), before_edges_[i])));
+  return largest;
+}
+
 /// The work of the forces on vertices is booked; here, what cutting takes is found in it, as that
 /// of friction is.
 void Contact::book_edges(const ContactStep& step) {

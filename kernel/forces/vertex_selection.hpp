@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "kernel/base/types.hpp"
+#include "kernel/base/zeroed_indices.hpp"
 
 namespace suture {
 
@@ -12,18 +12,22 @@ namespace suture {
 /// between selections.
 class VertexSelection {
  public:
-  /// Each vertex at most once. O(vertices); the first call O(all vertices).
+  /// Each vertex at most once. O(vertices).
   void select(std::span<const Index> vertices, Index vertex_count) {
-    for (const Index v : selected_) slot_[v] = none;
-    if (slot_.size() < vertex_count) slot_.resize(vertex_count, none);
+    slot_.reserve(vertex_count);
     selected_.assign(vertices.begin(), vertices.end());
     for (std::size_t i = 0; i < selected_.size(); ++i) slot_[selected_[i]] = static_cast<Index>(i);
   }
-  bool contains(Index vertex) const { return slot_[vertex] != none; }
-  Index slot(Index vertex) const { return slot_[vertex]; }  ///< `none` if it is not selected
+  bool contains(Index vertex) const { return slot(vertex) != none; }
+  /// `none` if it is not selected.
+  Index slot(Index vertex) const {
+    const Index slot = slot_[vertex];
+    return slot < selected_.size() && selected_[slot] == vertex ? slot : none;
+  }
 
  private:
-  std::vector<Index> slot_, selected_;
+  ZeroedIndices slot_;  ///< of the vertices that were ever selected
+  std::vector<Index> selected_;
 };
 
 }  // namespace suture

@@ -29,9 +29,11 @@ Index large_blocks_end(const CellComplex& complex) {
 
 ElementBlocks::Boxes::Boxes(Index elements_per_block, VertexBlocks vertex_blocks,
                             Index vertex_count)
-    : vertices(vertex_blocks),
-      lists(elements_per_block, vertex_blocks),
-      of_vertices(vertex_blocks.count(vertex_count), no_box) {}
+    : vertices(vertex_blocks), lists(elements_per_block, vertex_blocks) {
+  // Room for as many new vertices; only touched pages take memory.
+  of_vertices.reserve(vertex_blocks.count(vertex_count) + vertex_count / VertexBlocks::new_size);
+  of_vertices.assign(vertex_blocks.count(vertex_count), no_box);
+}
 
 Box ElementBlocks::Boxes::box(Index block) const {
   Box box = no_box;

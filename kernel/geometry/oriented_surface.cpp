@@ -133,6 +133,11 @@ OrientedSurface::Foot OrientedSurface::foot(const Vec3& place, Index start) cons
   return foot_in(tree_->nearest(place, start), place);
 }
 
+OrientedSurface::Foot OrientedSurface::rough_foot(const Vec3& place, Index start,
+                                                  double least_part) const {
+  return foot_in(tree_->nearly_nearest(place, start, least_part), place);
+}
+
 std::optional<OrientedSurface::Foot> OrientedSurface::foot_within(const Vec3& place, double within,
                                                                   Index start) const {
   const Index triangle = tree_->nearest(place, start, within);

@@ -42,7 +42,9 @@ class OrientedSurface {
   };
   /// On the nearest triangle; the nearer the triangle `start`, the faster. About 1 us.
   Foot foot(const Vec3& place, Index start = 0) const;
-  /// The same, or none if the place is `within` or farther away from the surface.
+  /// The same on a triangle of SurfaceTree::nearly_nearest(): of the side, the foot tells nothing.
+  Foot rough_foot(const Vec3& place, Index start, double least_part) const;
+  /// As foot(), or none if the place is `within` or farther away from the surface.
   std::optional<Foot> foot_within(const Vec3& place, double within, Index start) const;
   /// The distance of the place from its foot, negative below. `rounding`: nearer, the direction of
   /// the offset is not used, m.

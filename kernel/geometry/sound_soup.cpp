@@ -5,7 +5,9 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <utility>
 
 #include "kernel/base/radix_sort.hpp"
 #include "kernel/base/sort_unique.hpp"
@@ -179,9 +181,11 @@ class TrianglePair {
     return scaled(1. / 6, sum);
   }
   /// A plane has all corners of one triangle on its one side and those of the other on the other
-  /// side, except for a common corner, through which it leads.
+  /// side, except for a common corner, through which it leads. Across it is the direction between
+  /// their middles as seen from between them; or, of triangles in about one plane, the normal of an
+  /// edge in that plane.
   bool is_separated() const {
-    std::array<std::array<Vec3, 3>, 2> away;
+    Corners away{};
     const Vec3 from = origin();
     Vec3 across{};
     double reach = 0;
@@ -194,6 +198,19 @@ class TrianglePair {
         across = plus(across, scaled((which == 0 ? 1 : -1) / length, away[which][i]));
         reach = std::max(reach, size_of(away[which][i]));
       }
+    if (is_between(away, across, reach)) return true;
+    for (std::size_t which = 0; which < 2 && shared_ == 0; ++which) {
+      const Vec3 normal = area(which);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 inward = cross(normal, minus(point(which, i + 1), point(which, i)));
+        if (is_between(away, which == 0 ? inward : scaled(-1, inward), reach)) return true;
+      }
+    }
+    return false;
+  }
+  /// By triangle and corner, from the origin; what is shared does not count.
+  using Corners = std::array<std::array<Vec3, 3>, 2>;
+  bool is_between(const Corners& away, const Vec3& across, double reach) const {
     double least = std::numeric_limits<double>::infinity(), most = -least;
     for (std::size_t i = 0; i < 3; ++i) {
       if (!is_shared(0, i)) least = std::min(least, dot(across, away[0][i]));
@@ -217,14 +234,66 @@ bool has_area(const TriangleSurface& surface, const Triangle& t) {
 
 }  // namespace
 
-bool is_sound(const PolygonSoup& soup) {
-  if (!are_triangles(soup) || !are_distinct(soup.points)) return false;
+namespace {
+
+/// The side of the neighbour along each side; empty if the soup is not sound.
+std::vector<Index> opposite_if_sound(const PolygonSoup& soup) {
+  if (!are_triangles(soup) || !are_distinct(soup.points)) return {};
   const Fans fans(soup);
-  const std::vector<Index> opposite = opposite_sides(fans);
-  return !opposite.empty() && are_whole(fans, opposite);
+  std::vector<Index> opposite = opposite_sides(fans);
+  if (!opposite.empty() && !are_whole(fans, opposite)) return {};
+  return opposite;
 }
 
-std::vector<Index> find_doubtful(const TriangleSurface& surface) {
+bool is_in_one_piece(const std::vector<Index>& opposite) {
+  std::vector<bool> is_reached(opposite.size() / 3);
+  std::vector<Index> reached{0};
+  is_reached[0] = true;
+  for (std::size_t next = 0; next < reached.size(); ++next)
+    for (Index side = 3 * reached[next]; side < 3 * reached[next] + 3; ++side) {
+      const Index other = opposite[side] / 3;
+      if (is_reached[other]) continue;
+      is_reached[other] = true;
+      reached.push_back(other);
+    }
+  return reached.size() == is_reached.size();
+}
+
+/// Six times the enclosed volume, negative inside out; 0 if rounding might have made it.
+double certain_volume(const TriangleSurface& surface) {
+  const Vec3& from = surface.points[0];
+  double volume = 0, all = 0, size = 0;
+  for (const Triangle& t : surface.triangles) {
+    const Vec3 a = minus(surface.points[t[0]], from), b = minus(surface.points[t[1]], from),
+               c = minus(surface.points[t[2]], from);
+    const double part = dot(a, cross(b, c));
+    volume += part;
+    all += std::abs(part);
+    size += size_of(a) * size_of(b) * size_of(c);
+  }
+  const double most_rounding = 1e-15 * (size + static_cast<double>(surface.triangles.size()) * all);
+  return std::abs(volume) > most_rounding ? volume : 0;
+}
+
+}  // namespace
+
+bool is_sound(const PolygonSoup& soup) { return !opposite_if_sound(soup).empty(); }
+
+std::optional<TriangleSurface> sound_solid(const PolygonSoup& soup) {
+  const std::vector<Index> opposite = opposite_if_sound(soup);
+  if (opposite.empty() || !is_in_one_piece(opposite)) return std::nullopt;
+  TriangleSurface surface{soup.source, soup.points, {}};
+  surface.triangles.reserve(soup.size());
+  for (std::size_t i = 0; i < soup.corners.size(); i += 3)
+    surface.triangles.push_back({soup.corners[i], soup.corners[i + 1], soup.corners[i + 2]});
+  const double volume = certain_volume(surface);
+  if (volume == 0) return std::nullopt;
+  for (Triangle& t : surface.triangles)
+    if (volume < 0) std::swap(t[0], t[2]);
+  return surface;
+}
+
+std::vector<Index> find_doubtful(const TriangleSurface& surface, const SurfaceTree& tree) {
   std::vector<Box> boxes(surface.triangles.size(), no_box);
   std::vector<std::uint8_t> with_area(surface.triangles.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
@@ -237,12 +306,11 @@ std::vector<Index> find_doubtful(const TriangleSurface& surface) {
     if (with_area[i] && with_area[j] && TrianglePair(surface, i, j).is_apart()) return;
     doubtful.insert(doubtful.end(), {i, j});
   };
-  SurfaceTree(surface).for_overlaps(
-      [&](std::span<const Index> some, std::span<const Index> others) {
-        for (std::size_t i = 0; i < some.size(); ++i)
-          for (std::size_t j = some.data() == others.data() ? i + 1 : 0; j < others.size(); ++j)
-            compare(some[i], others[j]);
-      });
+  tree.for_overlaps([&](std::span<const Index> some, std::span<const Index> others) {
+    for (std::size_t i = 0; i < some.size(); ++i)
+      for (std::size_t j = some.data() == others.data() ? i + 1 : 0; j < others.size(); ++j)
+        compare(some[i], others[j]);
+  });
   sort_unique(doubtful);
   return doubtful;
 }

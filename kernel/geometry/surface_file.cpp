@@ -15,6 +15,8 @@
 #include "kernel/base/nearest.hpp"
 #include "kernel/base/safe_range.hpp"
 #include "kernel/geometry/geometry_module.hpp"
+#include "kernel/geometry/solid_surface.hpp"
+#include "kernel/geometry/sound_soup.hpp"
 #include "kernel/geometry/surface_readers.hpp"
 #include "kernel/geometry/vtp.hpp"
 #include "kernel/mesh/accepted_as.hpp"
@@ -221,12 +223,28 @@ std::string list_of_holes(const std::vector<Hole>& holes) {
 
 }  // namespace
 
-TriangleSurface read_solid(const std::filesystem::path& path, double scale,
-                           const std::function<void(std::size_t faces)>& announce_long_work) {
+namespace {
+
+/// Null if it is not certain that the soup is a solid.
+std::shared_ptr<const SolidSurface> solid_if_sound(const PolygonSoup& soup) {
+  std::optional<TriangleSurface> surface = sound_solid(soup);
+  if (!surface) return nullptr;
+  auto solid = std::make_shared<const SolidSurface>(std::move(*surface));
+  const bool is_whole = solid->surface().triangles.size() == soup.size();  // none without area
+  return is_whole && find_doubtful(solid->surface(), solid->tree()).empty() ? solid : nullptr;
+}
+
+}  // namespace
+
+std::shared_ptr<const SolidSurface> read_solid(
+    const std::filesystem::path& path, double scale,
+    const std::function<void(std::size_t faces)>& announce_long_work) {
   const PolygonSoup soup = read_soup(path, scale);
   if (announce_long_work && soup.size() > many_faces) announce_long_work(soup.size());
+  if (std::shared_ptr<const SolidSurface> solid = solid_if_sound(soup)) return solid;
   Closing closing = geometry_module().close(soup, false);
-  if (!closing.surface.triangles.empty()) return std::move(closing.surface);
+  if (!closing.surface.triangles.empty())
+    return std::make_shared<const SolidSurface>(std::move(closing.surface));
   if (closing.crossings != 0)
     throw InputError(path.string() + ": the surface intersects itself (" +
                      plural(closing.crossings, "pair of triangles", "pairs of triangles") +

@@ -159,9 +159,11 @@ void SurfaceTree::add_planes(std::span<const Index> triangles, Node& node) const
 struct SurfaceTree::Search {
   const Vec3& place;
   double squared_distance;
+  double squared_part = 1;  ///< nodes farther away than this part of the distance are left out
   bool is_any_enough = false;
   Index found = none;  ///< nearer than at the start
 
+  bool may_hold(double squared_gap) const { return squared_gap < squared_part * squared_distance; }
   bool is_over() const { return is_any_enough && found != none; }
 };
 
@@ -201,8 +203,8 @@ void SurfaceTree::descend(Index node, Search& search) const {
     std::swap(first, second);
     std::swap(near, far);
   }
-  if (near < search.squared_distance) descend(first, search);
-  if (far < search.squared_distance && !search.is_over()) descend(second, search);
+  if (search.may_hold(near)) descend(first, search);
+  if (search.may_hold(far) && !search.is_over()) descend(second, search);
 }
 
 Index SurfaceTree::nearest(const Vec3& place, Index start, double within) const {
@@ -212,8 +214,15 @@ Index SurfaceTree::nearest(const Vec3& place, Index start, double within) const 
   return search.found;
 }
 
+Index SurfaceTree::nearly_nearest(const Vec3& place, Index start, double least_part) const {
+  Search search{place, std::numeric_limits<double>::infinity(), least_part * least_part};
+  examine({&start, 1}, search);
+  descend(1, search);
+  return search.found;
+}
+
 bool SurfaceTree::is_within(const Vec3& place, double distance) const {
-  Search search{place, distance * distance, true};
+  Search search{place, distance * distance, 1, true};
   descend(1, search);
   return search.found != none;
 }

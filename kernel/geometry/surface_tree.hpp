@@ -34,6 +34,10 @@ class SurfaceTree {
   /// triangle `start`, the faster the search.
   Index nearest(const Vec3& place, Index start,
                 double within = std::numeric_limits<double>::infinity()) const;
+  /// A triangle that may be farther away than the nearest, which is at `least_part` of its distance
+  /// or more. Where many triangles are about as far away as the nearest, with a part of 0.98 in a
+  /// third of the time.
+  Index nearly_nearest(const Vec3& place, Index start, double least_part) const;
   /// Whether a triangle is nearer than `distance`.
   bool is_within(const Vec3& place, double distance) const;
   /// Calls visit(some, others) with lists of a few triangles, so that each pair of triangles whose

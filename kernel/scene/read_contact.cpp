@@ -64,15 +64,13 @@ Shape read_surface_shape(ObjectReader& object, Reading& reading) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(from.file, ignored)) return Sphere{{}, 1};
   try {
-    const TriangleSurface surface = read_solid(from.file, from.scale, [&](std::size_t faces) {
-      reading.diagnostics.note(object.path() + ": preparing " + grouped(faces) +
-                               " faces, which takes a while");
-    });
-    const Box box = box_of(surface.points);
-    Vec3 middle;
-    for (std::size_t c = 0; c < 3; ++c)
-      middle[c] = (box.low[c] + box.high[c]) / 2 + from.translation[c];
-    return Triangulated{std::make_shared<SolidSurface>(surface), middle};
+    std::shared_ptr<const SolidSurface> surface =
+        read_solid(from.file, from.scale, [&](std::size_t faces) {
+          reading.diagnostics.note(object.path() + ": preparing " + grouped(faces) +
+                                   " faces, which takes a while");
+        });
+    const Vec3 middle = plus(surface->middle(), from.translation);
+    return Triangulated{std::move(surface), middle};
   } catch (const InputError& error) {
     object.complain("file", error.what());
   }

@@ -89,6 +89,19 @@ Obstacle floor_with(double friction) {
   return {"floor", "", HalfSpace{{0, 0, 0}, {0, 0, 1}}, {}, friction};
 }
 
+/// The edge pushes nodes that touch the lower block, after the sweeps over the pieces.
+TEST(Pieces, DoNotPenetrateWhereACuttingEdgePushesThem) {
+  Obstacle handle{"handle", "", Sphere{{0.15, 0.15, 3}, 0.1}};
+  handle.motion.stations = {{0, {}, 0}, {1, {0, 0, -1}, 0}};
+  Column pair(2, 0, {handle});
+  const std::vector<double> toughness(pair.body.complex().element_count(), 1e9);
+  pair.contact.add_edge({0, {{0.15, -0.05, 0.25}, {0.15, 0.35, 0.25}}, toughness});
+  for (int i = 0; i < 5; ++i) {
+    pair.run(pair.dt, 1);
+    EXPECT_LT(pair.penetration(), 0.1 * pair.dt) << "step " << i;
+  }
+}
+
 TEST(Pieces, ThatCollideKeepTheirMomentumAndDoNotPenetrate) {
   Column pair(2, 0.3);
   const double wave = std::sqrt(1.35e6 / 1000);

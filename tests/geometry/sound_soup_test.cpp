@@ -5,10 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <random>
 #include <set>
 
 #include "kernel/geometry/geometry_module.hpp"
+#include "kernel/geometry/surface_tree.hpp"
 #include "tests/geometry/surfaces.hpp"
 
 namespace suture {
@@ -17,6 +19,10 @@ namespace {
 using test::soup_of;
 
 TriangleSurface sphere(int rounds = 2) { return test::sphere_surface({0, 0, 0}, 1, rounds); }
+
+std::vector<Index> doubtful_of(const TriangleSurface& surface) {
+  return find_doubtful(surface, SurfaceTree(surface));
+}
 
 bool is_sound_surface(const TriangleSurface& surface) { return is_sound(soup_of(surface)); }
 
@@ -87,9 +93,42 @@ TEST(SoundSoup, CgalChangesNothing) {
 }
 
 TEST(SoundSoup, NothingIsDoubtfulInSoundSurfaces) {
-  EXPECT_TRUE(find_doubtful(sphere(4)).empty());
+  EXPECT_TRUE(doubtful_of(sphere(4)).empty());
   const TriangleSurface box = test::box_surface({0, 0, 0}, {1, 2, 3});  // corners in other planes
   EXPECT_EQ(geometry_module().close(soup_of(box), false).crossings, 0u);
+  // Rows of right angles in one plane: triangles of next columns touch the line between these.
+  TriangleSurface sheet;
+  const Index side = 8;
+  for (Index i = 0; i < side * side; ++i)
+    sheet.points.push_back({0.1 * (i / side), 0.3 * (i % side), 0});
+  for (Index i = 0; i + side < side * side; ++i) {
+    if (i % side + 1 == side) continue;
+    sheet.triangles.push_back({i, i + side, i + side + 1});
+    sheet.triangles.push_back({i, i + side + 1, i + 1});
+  }
+  EXPECT_TRUE(doubtful_of(sheet).empty());
+}
+
+TEST(SoundSoup, ASolidInOnePieceIsWhatCgalMakesOfIt) {
+  TriangleSurface inward = sphere();
+  for (Triangle& t : inward.triangles) std::swap(t[1], t[2]);
+  for (const TriangleSurface& surface :
+       {sphere(), inward, test::box_surface({1, 2, 3}, {1.001, 4, 6})}) {
+    const std::optional<TriangleSurface> solid = sound_solid(soup_of(surface));
+    const TriangleSurface closed = geometry_module().close(soup_of(surface), false).surface;
+    ASSERT_TRUE(solid);
+    EXPECT_EQ(solid->points, closed.points);
+    EXPECT_EQ(solid->triangles, closed.triangles);
+  }
+}
+
+TEST(SoundSoup, WhatMayHaveNoCertainInsideIsNoSolid) {
+  const TriangleSurface hollow = test::joined(sphere(), test::sphere_surface({0, 0, 0}, 0.5, 1));
+  EXPECT_FALSE(sound_solid(soup_of(hollow)));
+  EXPECT_FALSE(sound_solid(soup_of(test::box_surface({1, 2, 3}, {1, 4, 6})))) << "flat";
+  TriangleSurface open = sphere();
+  open.triangles.pop_back();
+  EXPECT_FALSE(sound_solid(soup_of(open)));
 }
 
 TEST(SoundSoup, EveryTriangleThatAnEdgeCrossesIsDoubtful) {
@@ -101,7 +140,7 @@ TEST(SoundSoup, EveryTriangleThatAnEdgeCrossesIsDoubtful) {
     std::uniform_real_distribution<double> shift(-0.04 * round, 0.04 * round);
     for (Vec3& p : surface.points)
       for (double& x : p) x += shift(random);
-    const std::vector<Index> doubtful = find_doubtful(surface);
+    const std::vector<Index> doubtful = doubtful_of(surface);
     const auto is_doubtful = [&](std::size_t i) {
       return std::ranges::binary_search(doubtful, static_cast<Index>(i));
     };
@@ -127,17 +166,17 @@ TEST(SoundSoup, FoldsAndDoubledSheetsAreDoubtful) {
   // A neighbour folded flat onto the other; with a third point beside, it is only unfolded.
   TriangleSurface fold{
       "", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.1, 0.5, 0}}, {{0, 1, 2}, {1, 0, 3}}};
-  EXPECT_EQ(find_doubtful(fold).size(), 2u);
+  EXPECT_EQ(doubtful_of(fold).size(), 2u);
   fold.points[3] = {0.1, -0.5, 0};
-  EXPECT_TRUE(find_doubtful(fold).empty());
+  EXPECT_TRUE(doubtful_of(fold).empty());
   // Two triangles in a plane that share a corner and overlap, or do not.
   TriangleSurface corner{
       "", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0.5, 0}, {0.5, 1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
-  EXPECT_EQ(find_doubtful(corner).size(), 2u);
+  EXPECT_EQ(doubtful_of(corner).size(), 2u);
   corner.points[3] = {-1, 0.5, 0};
   corner.points[4] = {-1, -0.5, 0};
-  EXPECT_TRUE(find_doubtful(corner).empty());
-  EXPECT_EQ(find_doubtful(test::joined(sphere(), sphere())).size(), 2 * sphere().triangles.size());
+  EXPECT_TRUE(doubtful_of(corner).empty());
+  EXPECT_EQ(doubtful_of(test::joined(sphere(), sphere())).size(), 2 * sphere().triangles.size());
 }
 
 }  // namespace

@@ -26,6 +26,7 @@
 
 #include "kernel/geometry/module/parts.hpp"
 #include "kernel/geometry/sound_soup.hpp"
+#include "kernel/geometry/surface_tree.hpp"
 
 namespace suture::cgal {
 namespace {
@@ -129,7 +130,7 @@ std::size_t fill_holes(SurfaceMesh& mesh) {
 
 /// `surface`: that of the mesh.
 std::size_t count_crossings(const SurfaceMesh& mesh, const TriangleSurface& surface) {
-  const std::vector<Index> doubtful = find_doubtful(surface);
+  const std::vector<Index> doubtful = find_doubtful(surface, SurfaceTree(surface));
   if (doubtful.empty()) return 0;
   const std::vector<SurfaceMesh::Face_index> all(mesh.faces().begin(), mesh.faces().end());
   std::vector<SurfaceMesh::Face_index> faces;

@@ -31,7 +31,7 @@ function(suture_add_test name)
       $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-stringop-overflow>)
   endif()
   # What a test loads at run time is there when it runs.
-  add_dependencies(${name} suture_modules suture_plugins)
+  add_dependencies(${name} suture_run_modules suture_plugins)
   suture_register_test(${name})
 endfunction()
 

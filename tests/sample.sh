@@ -1,17 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Runs every COUNTth case of a GoogleTest program from the one with number PART, in one process, but
-# for those whose name (program.suite.case) matches the pattern in SUTURE_LEAVES_OUT. With
-# SUTURE_TURN="K N", of these cases the Kth of every N.
+# for those whose name (program.suite.case) matches the pattern in SUTURE_LEAVES_OUT.
 # usage: sample.sh PROGRAM PART COUNT
 set -euo pipefail
 program=$1 part=$2 count=$3
-read -r turn turns <<<"${SUTURE_TURN:-0 1}"
 cases=$("$program" --gtest_list_tests | awk -v name="${program##*/}" '
   /^[^ ]/ { suite = $1 }
   /^  / { print name "." suite $1 }' |
-  grep -Ev "${SUTURE_LEAVES_OUT:-^\$}" | awk -v part="$part" -v count="$count" \
-    -v turn="$turn" -v turns="$turns" 'NR % (count * turns) == part + count * turn' || true)
+  grep -Ev "${SUTURE_LEAVES_OUT:-^\$}" | awk -v part="$part" -v count="$count" 'NR % count == part' || true)
 [ -n "$cases" ] || exit 0
 flags=$(mktemp)
 trap 'rm "$flags"' EXIT

@@ -41,14 +41,14 @@ Measured slope_error(SampleBody& sample, const std::string& name, std::mt19937_6
   double noise = 0;
   for (std::size_t i = 0; i < forces.size(); ++i)
     noise += rounding * std::abs(multipliers.force[i] * forces[i]);
-  const double along = slopes.along(multipliers, weights);
-  // Kinks of a law spoil one width or another; what is rounded is wrong in all.
-  double figure = 1;
-  for (const double width : {100.0, 10.0, 0.1})
-    figure = std::min(
-        figure,
-        error_of(slopes_with(width * ParameterSlopes::best_step).along(multipliers, weights), along,
-                 noise));
+  const auto along_with = [&](double width) {
+    return slopes_with(width * ParameterSlopes::best_step).along(multipliers, weights);
+  };
+  const double along = slopes.along(multipliers, weights), narrow = along_with(0.1);
+  // Kinks of a law spoil one width or another, also the best one; what is rounded is wrong in all.
+  double figure =
+      std::min({error_of(along_with(100), along, noise), error_of(along_with(10), along, noise),
+                error_of(narrow, along, noise), error_of(along_with(0.3), narrow, noise)});
   const std::vector<double> each = slopes.each(multipliers);
   const double sum = std::inner_product(each.begin(), each.end(), weights.begin(), 0.0);
   figure = std::max(figure, error_of(sum, along, noise));

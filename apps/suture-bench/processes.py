@@ -16,7 +16,7 @@ import numpy as np
 
 CHUNK = 1024  # vertices: MotionSums::chunk, of 8 numbers
 GRID_LAYER = 16384  # elements of a layer up to which a grid keeps its order (ordering.hpp)
-CHECKED = 64  # steps from check to check, at which all positions are exchanged
+CHECKED = 64  # steps from check to check, at which positions at summed cells are exchanged
 
 
 def spread(x):
@@ -98,7 +98,7 @@ def main():
         computed, borders, neighbours = count(place, processes)
         work = computed * args.element + vertices / processes * args.vertex + borders * args.pack
         sums = 64 * vertices / CHUNK if processes > 1 else 0
-        positions = 32 * vertices / CHECKED if processes > 1 else 0
+        positions = 24 * borders / CHECKED  # summed cells reach about as far as those of forces
         waits = (neighbours + 3 * math.log2(processes)) * args.latency * 1e3
         steps = [work + waits + (24 * borders + sums + positions) / b for b in args.bandwidth]
         print(f"| {processes} | {100 * (computed * processes / elements - 1):.0f} % "

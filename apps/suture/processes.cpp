@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -23,11 +22,6 @@ namespace {
 
 std::unique_ptr<Communicator> joined;
 volatile std::sig_atomic_t interrupted = 0;
-
-std::string name_of_machine() {
-  std::array<char, 256> name{};
-  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
-}
 
 /// Launchers may bind a process to some of them.
 unsigned allowed_cores() {

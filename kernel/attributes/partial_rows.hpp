@@ -11,42 +11,54 @@ namespace suture {
 
 /// Says which of the columns that steps change have only some rows up to date: several processes
 /// hold the body, and each steps rows of its own (forces/body_share.hpp). Whoever asks for such a
-/// column gets all rows, and the others then have to ask for it, too. Steps alone ask for own rows.
+/// column gets all rows, and the others then have to ask for it, too. Steps alone ask for own rows,
+/// and sums over cells for the rows at the cells that the process sums.
 class PartialRows {
  public:
   enum Of : unsigned { position, velocity, force };
+  /// Each includes those before it.
+  enum class Extent : unsigned char { own, at_cells, all };
+  using Complete = std::function<void(double* rows)>;
 
-  /// `complete` fills in the rows of the other processes.
-  void complete_by(std::function<void(double* rows)> complete) { complete_ = std::move(complete); }
-  void set(Of which, bool partial) { is_partial_[which] = partial; }
-  bool is_partial(Of which) const { return is_partial_[which]; }
+  /// Functions that fill in rows of the other processes: all, and those at cells.
+  void complete_by(Complete all, Complete at_cells) {
+    complete_ = std::move(all);
+    complete_at_cells_ = std::move(at_cells);
+  }
+  void set(Of which, bool partial) { has_[which] = partial ? Extent::own : Extent::all; }
+  bool is_partial(Of which) const { return has_[which] != Extent::all; }
 
   Column& whole(Of which, Column& column) {
-    if (is_partial_[which] && !own_is_enough_) {
-      is_partial_[which] = false;
-      complete_(column.rows());
+    if (has_[which] < needed_) {
+      has_[which] = needed_;
+      (needed_ == Extent::all ? complete_ : complete_at_cells_)(column.rows());
     }
     return column;
   }
 
-  /// During its life, columns are as they are.
-  class OwnIsEnough {
+  /// During its life, whoever asks for a column gets these rows.
+  class Enough {
    public:
-    explicit OwnIsEnough(PartialRows& rows, bool enough = true)
-        : flag_(rows.own_is_enough_), before_(std::exchange(flag_, enough)) {}
-    ~OwnIsEnough() { flag_ = before_; }
-    OwnIsEnough(const OwnIsEnough&) = delete;
-    OwnIsEnough& operator=(const OwnIsEnough&) = delete;
+    Enough(PartialRows& rows, Extent extent)
+        : needed_(rows.needed_), before_(std::exchange(needed_, extent)) {}
+    ~Enough() { needed_ = before_; }
+    Enough(const Enough&) = delete;
+    Enough& operator=(const Enough&) = delete;
 
    private:
-    bool& flag_;
-    bool before_;
+    Extent& needed_;
+    Extent before_;
+  };
+  /// During its life, columns are as they are.
+  struct OwnIsEnough : Enough {
+    explicit OwnIsEnough(PartialRows& rows, bool enough = true)
+        : Enough(rows, enough ? Extent::own : Extent::all) {}
   };
 
  private:
-  std::array<bool, 3> is_partial_{};
-  bool own_is_enough_ = false;
-  std::function<void(double* rows)> complete_;
+  std::array<Extent, 3> has_{Extent::all, Extent::all, Extent::all};
+  Extent needed_ = Extent::all;
+  Complete complete_, complete_at_cells_;
 };
 
 }  // namespace suture

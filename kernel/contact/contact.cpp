@@ -384,6 +384,7 @@ std::optional<Contact::ToolState> Contact::tool_state(std::size_t obstacle) cons
 }
 
 double Contact::power() const {
+  const PartialRows::OwnIsEnough marked(attributes_.partial_rows());
   double power = 0;
   for (const Touch& touch : touches_)
     power += dot(touch.force, row(attributes_.velocity().rows(), touch.vertex));
@@ -427,6 +428,7 @@ void Contact::restart() {
 }
 
 std::optional<Contact::Failure> Contact::failure() const {
+  const PartialRows::OwnIsEnough marked(attributes_.partial_rows());
   const PieceContact::Touch* touch = pieces_ ? pieces_->too_deep() : nullptr;
   if (!touch) return {};
   return Failure{{touch->vertices[0], touch->vertices[3]}, pieces_->depth(*touch)};

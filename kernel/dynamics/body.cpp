@@ -44,7 +44,17 @@ FieldEquation& Body::field(std::string_view name) {
 void Body::share(std::unique_ptr<BodyShare> share) {
   share_ = std::move(share);
   models_->share(*share_, [this](std::vector<bool>& marks) { mark_vertices(marks); });
-  attributes_.partial_rows().complete_by([this](double* rows) { share_->complete({rows, 4}); });
+  attributes_.partial_rows().complete_by(
+      [this](double* rows) {
+        share_->complete({rows, 4});
+      },
+      [this](double* rows) { share_->complete_at_cells(rows); });
+  for (const auto& term : loads()) term->divide_sums(*share_);
+}
+
+void Body::share_with(ForceTerm& added) {
+  added.divide_sums(*share_);
+  models_->find_share();
 }
 
 bool Body::marks_vertices() const {
@@ -233,6 +243,7 @@ void Body::follow(const TopologyChange& change) {
   for (const Split& split : change.splits[0]) user_vertex_.push_back(user_vertex_[split.old_cell]);
   follow_copies(change);
   attributes_.apply(complex(), change);
+  if (share_ && !change.empty()) share_->follow(complex());  // all rows are complete
   for (const auto& term : terms_) term->follow(complex(), change);
   for (FieldEquation& field : fields_) field.follow(complex(), change);
   constraints_.update(change, attributes_);
@@ -367,8 +378,10 @@ void Body::state(Archive& archive) {
     for (const auto& term : terms_) archive(term->name(), *term);
   });
   for (FieldEquation& field : fields_) archive(("field " + field.field().name).c_str(), field);
-  if (archive.has_cells() && archive.loads() && share_)
+  if (archive.has_cells() && archive.loads() && share_) {
+    share_->divide(complex());
     models_->find_share();  // a pass may follow without another evaluation
+  }
 }
 
 }  // namespace suture

@@ -72,7 +72,7 @@ class Body {
   Term& add(std::unique_ptr<Term> term) {
     Term& added = *term;
     terms_.push_back(std::move(term));
-    if (share_) models_->find_share();
+    if (share_) share_with(added);
     return added;
   }
   /// The term of the models; after compile().
@@ -86,6 +86,7 @@ class Body {
   /// From now on several processes hold this body, and this one computes a share of it.
   void share(std::unique_ptr<BodyShare> share);
   BodyShare* share() { return share_.get(); }  ///< null if this process is alone
+  const BodyShare* share() const { return share_.get(); }
   /// Whether loads and contact read and change marked vertices only (ForceTerm::marks_vertices()):
   /// each process then has these, and computes all loads and contact.
   bool marks_vertices() const;
@@ -169,6 +170,7 @@ class Body {
   template <class Operate>
   TopologyChange change(const ComingOperation& operation, Operate operate);
   void follow(const TopologyChange& change);
+  void share_with(ForceTerm& added);
   void mark_vertices(std::vector<bool>& marks) const;
   void name_copies(std::span<const Index> imported);
   std::vector<Index> around(std::vector<Index> vertices) const;

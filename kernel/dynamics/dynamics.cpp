@@ -90,7 +90,7 @@ void Dynamics::step(double dt, double end) {
     throw;
   }
   if (integrator_->is_other_step(dt)) {
-    const ForcesOfStep of_step(motion_);
+    const ForcesOfStep of_step(motion_, true);
     const double difference =
         motion_.leapfrog_part(dt) - motion_.leapfrog_part(motion_.last_step());
     ledger_.change_step(difference);
@@ -167,7 +167,7 @@ void Dynamics::synchronise(bool with_forces) {
 
 double Dynamics::kinetic() {
   motion_.evaluate();
-  const ForcesOfStep of_step(motion_);
+  const ForcesOfStep of_step(motion_, true);
   return motion_.kinetic(integrator_->lacking());
 }
 
@@ -183,7 +183,7 @@ Ledger::Now Dynamics::now() {
   n.time = time();
   n.half_step = integrator_->is_lagging() ? motion_.last_step() : 0;
   if (!is_implicit()) {
-    const ForcesOfStep of_step(motion_);
+    const ForcesOfStep of_step(motion_, true);
     n.leapfrog_part = motion_.leapfrog_part(motion_.last_step());
   }
   if (body().contact()) n.contact = n.half_step * body().contact()->power() / 2;

@@ -13,10 +13,13 @@ namespace suture {
 /// During its life, the column `force` contains the forces of contact in the last step, unless they
 /// are a term: what is held by an obstacle is in balance with them. It does not contain what the
 /// scheme withheld (Motion::withheld()).
+/// `for_sums`: only sums of Motion read it, so that each of several processes needs own rows.
 class ForcesOfStep {
  public:
-  explicit ForcesOfStep(Motion& motion) {
+  explicit ForcesOfStep(Motion& motion, bool for_sums = false) {
     Body& body = motion.body();
+    const PartialRows::OwnIsEnough own(body.attributes().partial_rows(),
+                                       for_sums && motion.divides());
     const std::vector<double>& withheld = motion.withheld();
     const bool has_contact = body.contact() && !body.contact()->is_term();
     if (withheld.empty() && !has_contact) return;

@@ -30,17 +30,18 @@ bool has_sound_part(const CellComplex& complex, Attributes& attributes, Index el
 
 }  // namespace
 
-std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attributes) {
+std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attributes,
+                                 loops::Rows elements) {
   constexpr Index part = 4096;
-  const Index elements = complex.element_count();
+  const Index last = std::min(elements.end, complex.element_count());
   const Index* nodes = complex.vertices().data()->data();
   const std::uint8_t* live = attributes.kernel(3).cells.live().data();
   const double* position = attributes.position().rows();
   const auto count = hot_loops().inverted;
   std::vector<Index> found;
-  for (Index begin = 0; begin < elements; begin += part) {
+  for (Index begin = elements.begin; begin < last; begin += part) {
     Index first = none;
-    const Index end = std::min(begin + part, elements);
+    const Index end = std::min(begin + part, last);
     Index here = count(nodes, live, position, begin, end, &first);
     for (Index e = first; here > 0; ++e)
       if (count(nodes, live, position, e, e + 1, &first) != 0) {
@@ -54,9 +55,15 @@ std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attribu
 }
 
 std::vector<Index> find_inverted(Body& body, const std::vector<Index>& allowed) {
+  const auto find = [&] {
+    BodyShare* const share = body.share();
+    if (!share) return find_inverted(body.complex(), body.attributes());
+    const PartialRows::Enough enough(body.attributes().partial_rows(),
+                                     PartialRows::Extent::at_cells);
+    return share->join_lists(find_inverted(body.complex(), body.attributes(), share->elements()));
+  };
   std::vector<Index> found;
-  std::ranges::set_difference(find_inverted(body.complex(), body.attributes()), allowed,
-                              std::back_inserter(found));
+  std::ranges::set_difference(find(), allowed, std::back_inserter(found));
   return found;
 }
 

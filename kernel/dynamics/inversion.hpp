@@ -9,7 +9,8 @@ namespace suture {
 
 /// Elements with a corner Jacobian <= 0 at the current positions, ascending. O(elements), much
 /// cheaper than an evaluation of forces.
-std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attributes);
+std::vector<Index> find_inverted(const CellComplex& complex, Attributes& attributes,
+                                 loops::Rows elements = {0, none});
 
 /// The inverted elements except for those in `allowed` (ascending).
 std::vector<Index> find_inverted(Body& body, const std::vector<Index>& allowed);

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <numeric>
 #include <string>
 
 #include "kernel/attributes/held.hpp"
 #include "kernel/base/aligned.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
+#include "kernel/forces/sum_of_blocks.hpp"
 
 namespace suture {
 namespace {
@@ -22,24 +22,15 @@ constexpr Index parallel_vertices = 8192;
 constexpr Index sum_chunk = 4096;
 static_assert(pass_chunk == BodyShare::block && sum_chunk % BodyShare::block == 0);
 
-/// The sum of range(first, end) over ranges of so many vertices, in their order; those of `share`
-/// are computed here, unless it is null.
-template <class Range>
-double sum_of_ranges(const Body& body, BodyShare* share, Index size, Range range) {
-  const Index vertices = body.attributes().vertex_count();
-  std::vector<double> sums((vertices + BodyShare::block - 1) / BodyShare::block);
-  const auto add = [&](Index begin, Index end) {
-    for (; begin < end; begin += size)
-      sums[begin / BodyShare::block] = range(begin, std::min(begin + size, vertices));
+/// The chunks of the vertices that this process steps.
+std::vector<std::size_t> own_chunks(const BodyShare& share, std::size_t all) {
+  std::vector<std::size_t> chunks;
+  const auto add = [&](std::size_t first, std::size_t end) {
+    while (first < end) chunks.push_back(first++);
   };
-  if (share) {
-    add(share->own().begin, share->own().end);
-    add(share->common_begin(), vertices);
-    share->join_blocks(sums, 1, true);
-  } else {
-    add(0, vertices);
-  }
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
+  for (const auto& [begin, end] : share.own()) add(begin / pass_chunk, end / pass_chunk);
+  add(share.common_begin() / pass_chunk, all);
+  return chunks;
 }
 
 bool is_finite(const Column& column, Index row) {
@@ -181,25 +172,18 @@ loops::Motion Motion::pass(std::span<const Kick> kicks) const {
   return m;
 }
 
-/// Whether this process makes passes over its own vertices and the common ones only.
-bool Motion::divides() const {
-  return body_.models().may_divide() && !frozen_ && body_.fields().empty() &&
-         body_.marks_vertices();
-}
-
 /// chunk(number, first vertex, end) for all vertices, or for those of this process; true if each
 /// returned true.
 template <class Chunk>
 bool Motion::for_each_chunk(bool divides, Chunk chunk) const {
   const Index vertices = body_.attributes().vertex_count();
-  const loops::Rows own = divides ? body_.share()->own() : loops::Rows{0, 0};
-  const Index common = divides ? body_.share()->common_begin() : 0;
-  const Index own_parts = (own.end - own.begin) / pass_chunk;
-  const std::size_t parts = own_parts + (vertices - common + pass_chunk - 1) / pass_chunk;
+  const std::size_t all = (vertices + pass_chunk - 1) / pass_chunk;
+  std::vector<std::size_t> own;
+  if (divides) own = own_chunks(*body_.share(), all);
+  const std::size_t parts = divides ? own.size() : all;
   std::atomic<bool> good{true};
   const auto one = [&](std::size_t i) {
-    const std::size_t part =
-        i < own_parts ? own.begin / pass_chunk + i : common / pass_chunk + i - own_parts;
+    const std::size_t part = divides ? own[i] : i;
     const Index first = static_cast<Index>(part) * pass_chunk;
     if (!chunk(part, first, std::min(first + pass_chunk, vertices))) good = false;
   };
@@ -233,41 +217,6 @@ double Motion::resolve_contact(const ContactStep& step) {
   for (const ContactLaw::Correction& c : body_.contact()->resolve(step))
     sums_.correct_after(c.vertex, c.after, c.inertia);
   return body_.contact()->step_work();
-}
-
-/// Every process keeps the state of all driven vertices.
-void Motion::drift_driven_of_others(double dt, double end) {
-  const auto [begin, last] = body_.share()->own();
-  Attributes& attributes = body_.attributes();
-  body_.constraints().drift(attributes, dt, end, 0, begin);
-  body_.constraints().drift(attributes, dt, end, last, body_.share()->common_begin());
-}
-
-/// After a pass of this process: it gets the sums of all, and what is at its borders. The forces of
-/// vertices that others step are zero again. Returns whether all passes were good.
-bool Motion::join_pass(bool good) {
-  Attributes& attributes = body_.attributes();
-  BodyShare& share = *body_.share();
-  std::vector<double*> read{attributes.position().rows()};
-  ContactLaw* const contact = body_.contact();
-  if (body_.models().reads_velocity() || contact) read.push_back(attributes.velocity().rows());
-  if (contact) read.push_back(contact->kept_forces());
-  share.join_borders(read);
-  PartialRows& partial = attributes.partial_rows();
-  double* const force = attributes.force().rows();
-  const auto clear = [&](Index first, Index last) {
-    std::fill(force + std::size_t{first} * 4, force + std::size_t{last} * 4, 0.0);
-  };
-  if (partial.is_partial(PartialRows::force)) {
-    for (const Index v : share.borders()) clear(v, v + 1);
-  } else {
-    clear(0, share.own().begin);
-    clear(share.own().end, share.common_begin());
-  }
-  partial.set(PartialRows::position, true);
-  partial.set(PartialRows::velocity, true);
-  partial.set(PartialRows::force, false);
-  return share.join_blocks(sums_.numbers(), MotionSums::width, good);
 }
 
 void Motion::kick_and_drift(std::span<const Kick> kicks, double dt, double end, double unseen) {
@@ -332,23 +281,6 @@ void Motion::arrive(double dt, double end) {
   evaluate(end_dt_);
 }
 
-/// Passes find what is not finite in the velocities of free components; these they overwrite.
-void Motion::require_finite_reactions(bool divides) const {
-  const Constraints& constraints = body_.constraints();
-  if (constraints.empty()) return;
-  if (divides) {
-    const PartialRows::OwnIsEnough enough(body_.attributes().partial_rows());
-    const Column& force = body_.attributes().force();
-    BodyShare& share = *body_.share();
-    const bool is_good =
-        constraints.first_not_finite(force, share.own().begin, share.own().end) == none &&
-        constraints.first_not_finite(force, share.common_begin()) == none;
-    if (share.all(is_good)) return;
-  }
-  const Index vertex = constraints.first_not_finite(body_.attributes().force());
-  if (vertex != none) refuse_vertex("the force on node ", vertex);
-}
-
 void Motion::require_finite_forces() const {
   const Column& force = body_.attributes().force();
   for (Index v = 0; v < force.size(); ++v)
@@ -369,8 +301,8 @@ void Motion::refuse_not_finite() const {
 }
 
 double Motion::sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const {
-  return sum_of_ranges(body_, divides() ? body_.share() : nullptr, sum_chunk,
-                       [&](Index first, Index last) {
+  return sum_of_blocks(divides() ? body_.share() : nullptr, body_.attributes().vertex_count(),
+                       sum_chunk, [&](Index first, Index last) {
                          return sum(&m, body_.attributes().fixed().rows(), first, last);
                        });
 }
@@ -389,8 +321,8 @@ double Motion::leapfrog_part(double h) {
 double Motion::power() {
   const PartialRows::OwnIsEnough own(body_.attributes().partial_rows(), divides());
   const loops::Motion m = pass({});
-  return sum_of_ranges(body_, divides() ? body_.share() : nullptr, pass_chunk,
-                       [&](Index first, Index last) {
+  return sum_of_blocks(divides() ? body_.share() : nullptr, body_.attributes().vertex_count(),
+                       pass_chunk, [&](Index first, Index last) {
                          loops::PassSums sums;
                          loops_.kick(&m, first, last, &sums);
                          return sums.before;

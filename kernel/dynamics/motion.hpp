@@ -119,6 +119,8 @@ class Motion {
   /// and the forces that they have kept.
   void thaw_except(std::span<const Index> vertices);
   bool is_frozen() const { return frozen_; }
+  /// Whether this process makes passes over its own vertices and the common ones only.
+  bool divides() const;
   const LiveMask& moving() const;  ///< vertices that exist and are not frozen
 
   /// The vertex with the largest kinetic energy in the chunk with the largest apparent frequency.
@@ -134,7 +136,6 @@ class Motion {
   template <class Chunk>
   bool for_each_chunk(bool divides, Chunk chunk) const;
   double sum_over_vertices(const loops::Motion& m, loops::VertexSum sum) const;
-  bool divides() const;
   void drift_driven_of_others(double dt, double end);
   bool join_pass(bool good);
   void clear_forces();

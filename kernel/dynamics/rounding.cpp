@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "kernel/dynamics/moduli.hpp"
+#include "kernel/forces/sum_of_blocks.hpp"
 
 namespace suture {
 namespace {
@@ -21,16 +22,24 @@ constexpr UniformGradient every_strain{{{1, 1, 0}, {0, 1, 1}, {1, 0, 1}}};
 Rounding rounding_of(const Motion& motion) {
   if (motion.last_step() == 0) return {};
   Attributes& attributes = motion.body().attributes();
+  const PartialRows::OwnIsEnough own(attributes.partial_rows());
   const double omega = 2 / motion.last_step();
   const double *x = attributes.position().rows(), *mass = attributes.mass().rows();
-  Rounding sum;
-  for (Index v = 0; v < attributes.vertex_count(); ++v, x += 4) {
-    const double stiffness = mass[v] * omega * omega;
-    const double squared = epsilon * epsilon * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-    sum.energy += stiffness * squared / 2;
-    sum.force_squared += stiffness * stiffness * squared;
-  }
-  return sum;
+  const auto sum_of = [&](double stiffnesses_of(double)) {
+    const auto in_block = [&](Index first, Index end) {
+      double sum = 0;
+      for (Index v = first; v < end; ++v) {
+        const double* const at = x + std::size_t{v} * 4;
+        const double squared = at[0] * at[0] + at[1] * at[1] + at[2] * at[2];
+        sum += stiffnesses_of(mass[v] * omega * omega) * epsilon * epsilon * squared;
+      }
+      return sum;
+    };
+    return sum_of_blocks(motion.body().share(), attributes.vertex_count(), BodyShare::block,
+                         in_block);
+  };
+  return {sum_of([](double stiffness) { return stiffness / 2; }),
+          sum_of([](double stiffness) { return stiffness * stiffness; })};
 }
 
 double rounding_of_stored_energy(const Motion& motion) {

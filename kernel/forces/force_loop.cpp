@@ -58,8 +58,8 @@ void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
   if (rows == nullptr) rows = impl_->attributes.force().rows();
   Failure first = impl_->add_forces(time, dt, part, rows);
   if (impl_->is_divided()) {
+    impl_->share->join_forces({rows, 4}, first);
     impl_->share->complete({rows, 4});
-    impl_->share->join_common({rows, 4}, first);
   }
   impl_->raise(first, time);
 }
@@ -67,7 +67,7 @@ void ForceLoop::add_forces(double time, double dt, Part part, double* rows) {
 void ForceLoop::add_own_forces(const StepTimes& step, double* rows) {
   const PartialRows::OwnIsEnough own(impl_->attributes.partial_rows());
   Failure first = impl_->add_forces(step.time, step.dt, Part::all, rows);
-  impl_->share->join_common({rows, 4}, first);
+  impl_->share->join_forces({rows, 4}, first);
   impl_->raise(first, step.time);
 }
 
@@ -160,6 +160,42 @@ void ForceLoop::Impl::find_share() {
   }
   mark_others(read);
   share->read(read);
+  find_sums();
+}
+
+/// The chunks that each process sums, at its elements.
+void ForceLoop::Impl::find_sums() {
+  std::vector<bool> read(others->size());
+  const loops::Rows own = share->elements();
+  for (Index e = own.begin; e < std::min(own.end, complex->element_count()); ++e) {
+    if (!complex->exists(3, e)) continue;
+    for (const Index vertex : complex->vertices_of(e)) read[vertex] = true;
+  }
+  processes_of_sums.assign(functors.size(), {});
+  for (Index i = 0; i < functors.size(); ++i) {
+    const CompiledFunctor& functor = functors[i];
+    if (functor.skipped() ||
+        !(energy_function(functor).function || dissipation_function(functor).function))
+      continue;
+    const Connectivity cells = functor.connectivity(*complex);
+    for (Index chunk = 0; chunk < functor.list().chunk_count(); ++chunk) {
+      const auto for_each_vertex = [&](auto visit) {
+        for (const loops::Rows& rows : functor.list().ranges(chunk))
+          for (Index row = rows.begin; row < rows.end; ++row)
+            for (const Index vertex : cells.of(row))
+              if (!visit(vertex)) return;
+      };
+      unsigned process = 0;
+      for_each_vertex([&](Index vertex) {
+        process = share->process_at(*complex, vertex);
+        return false;
+      });
+      processes_of_sums[i].push_back(process);
+      if (process == share->number())
+        for_each_vertex([&](Index vertex) { return read[vertex] = true; });
+    }
+  }
+  share->read_at_cells(read);
 }
 
 void ForceLoop::Impl::forget_shares() {
@@ -178,52 +214,6 @@ bool ForceLoop::Impl::is_divided() const {
 const BatchList& ForceLoop::Impl::own_list(CompiledFunctor& functor) {
   if (!others || functor.has_states()) return functor.list();
   return functor.list_without(*others, *complex);
-}
-
-// ------------------------------------------------------------------- energy --
-
-double ForceLoop::Impl::sum_of(Index number, const CellNumbers& numbers, double time,
-                               Failure& first) {
-  if (numbers.function == nullptr) return 0;
-  const Index chunks = functors[number].list().chunk_count();
-  std::vector<double> of_chunk(chunks);
-  const loops::Rows own = share ? share->part(chunks) : loops::Rows{0, chunks};
-  run(number, numbers.name, time,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
-          Index chunk) {
-        if (chunk < own.begin || chunk >= own.end) return;
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
-          double* const out = worker.results_end - lanes;
-          const suture_status status = numbers.function(worker.context, &batch, out);
-          if (status == SUTURE_OK) check_results({out, lanes}, batch.valid);
-          for (Index l = 0; l < batch.valid; ++l) of_chunk[chunk] += out[l];
-          return status;
-        });
-      });
-  first.merge(take_failure());
-  if (share) share->join_sums(of_chunk, first);
-  double sum = 0;
-  for (const double part : of_chunk) sum += part;
-  return sum;
-}
-
-double ForceLoop::Impl::sum_of(CellNumbers (*numbers)(const CompiledFunctor&), double time) {
-  double sum = 0;
-  Failure first;
-  for (Index i = 0; i < functors.size(); ++i)
-    if (!functors[i].skipped()) sum += sum_of(i, numbers(functors[i]), time, first);
-  raise(first, time);
-  return sum;
-}
-
-double ForceLoop::energy(double time) { return impl_->sum_of(energy_function, time); }
-
-double ForceLoop::dissipation(double time) { return impl_->sum_of(dissipation_function, time); }
-
-bool ForceLoop::has_dissipation() const {
-  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
-    return !functor.skipped() && dissipation_function(functor).function != nullptr;
-  });
 }
 
 // ------------------------------------------------------------ output fields --

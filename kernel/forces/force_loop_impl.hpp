@@ -219,6 +219,7 @@ struct ForceLoop::Impl {
   bool is_divided() const;
   const BatchList& own_list(CompiledFunctor& functor);
   void find_share();
+  void find_sums();
   void forget_shares();
 
   void book_unstored(double last_dt, const double* force);
@@ -264,11 +265,12 @@ struct ForceLoop::Impl {
   /// By functor and chunk; empty until cells are projected.
   std::vector<std::vector<std::vector<loops::BatchRows>>> independent;
   BodyShare* share = nullptr;
-  std::function<void(std::vector<bool>&)> mark_others;  ///< read by other terms and contact
-  std::optional<std::vector<bool>> others;              ///< BodyShare::others(), once known
-  bool checks = false;                                  ///< check_plugins()
-  std::optional<FunctorTimes> times;                    ///< measure()
-  bool operated = false;                                ///< follow() was called
+  std::function<void(std::vector<bool>&)> mark_others;   ///< read by other terms and contact
+  std::optional<std::vector<bool>> others;               ///< BodyShare::others(), once known
+  std::vector<std::vector<unsigned>> processes_of_sums;  ///< by functor and chunk, with `others`
+  bool checks = false;                                   ///< check_plugins()
+  std::optional<FunctorTimes> times;                     ///< measure()
+  bool operated = false;                                 ///< follow() was called
   std::vector<bool> fixed;  ///< vertices held at their rest positions; empty: nothing is left out
   // Work of functors without an energy if others have one, and their forces at the last
   // evaluation, in rows of 4.

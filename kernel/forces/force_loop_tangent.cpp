@@ -107,8 +107,8 @@ void ForceLoop::Impl::add_tangent(loops::Product<Real> product, const TangentTim
   Failure first = take_failure();
   if (is_divided()) {
     const VertexRows rows(product.out, std::is_same_v<Real, float> ? 4 : 3);
+    share->join_forces(rows, first);
     share->complete(rows);
-    share->join_common(rows, first);
   }
   raise(first, at.time);
 }

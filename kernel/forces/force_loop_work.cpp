@@ -46,4 +46,51 @@ void ForceLoop::add_cell_work(const Instance& instance, int dimension, const dou
   impl_->raise_failures(at.time);
 }
 
+// ------------------------------------------------------------------- energy --
+
+double ForceLoop::Impl::sum_of(Index number, const CellNumbers& numbers, double time,
+                               Failure& first) {
+  if (numbers.function == nullptr) return 0;
+  if (share && !others) find_share();
+  const PartialRows::Enough enough(
+      attributes.partial_rows(), share ? PartialRows::Extent::at_cells : PartialRows::Extent::all);
+  std::vector<double> of_chunk(functors[number].list().chunk_count());
+  run(number, numbers.name, time,
+      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
+          Index chunk) {
+        if (share && processes_of_sums[number][chunk] != share->number()) return;
+        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows&) {
+          double* const out = worker.results_end - lanes;
+          const suture_status status = numbers.function(worker.context, &batch, out);
+          if (status == SUTURE_OK) check_results({out, lanes}, batch.valid);
+          for (Index l = 0; l < batch.valid; ++l) of_chunk[chunk] += out[l];
+          return status;
+        });
+      });
+  first.merge(take_failure());
+  if (share) share->join_sums(of_chunk, processes_of_sums[number], first);
+  double sum = 0;
+  for (const double part : of_chunk) sum += part;
+  return sum;
+}
+
+double ForceLoop::Impl::sum_of(CellNumbers (*numbers)(const CompiledFunctor&), double time) {
+  double sum = 0;
+  Failure first;
+  for (Index i = 0; i < functors.size(); ++i)
+    if (!functors[i].skipped()) sum += sum_of(i, numbers(functors[i]), time, first);
+  raise(first, time);
+  return sum;
+}
+
+double ForceLoop::energy(double time) { return impl_->sum_of(energy_function, time); }
+
+double ForceLoop::dissipation(double time) { return impl_->sum_of(dissipation_function, time); }
+
+bool ForceLoop::has_dissipation() const {
+  return std::ranges::any_of(impl_->functors, [](const CompiledFunctor& functor) {
+    return !functor.skipped() && dissipation_function(functor).function != nullptr;
+  });
+}
+
 }  // namespace suture

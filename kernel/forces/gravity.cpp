@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/forces/gravity.hpp"
 
+#include "kernel/forces/sum_of_blocks.hpp"
+
 namespace suture {
 
 Vec3 Gravity::acceleration(double time) const {
@@ -18,8 +20,13 @@ void Gravity::add_forces_in_step(const StepTimes& step, const LiveMask&, double*
 //   W += (r + r') / 2 (sum m g . x' - sum m g . x)
 void Gravity::book(double time) {
   if (value_ == Vec3{}) return;
-  double moment = 0;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v) moment += moment_of(v);
+  const PartialRows::OwnIsEnough own(attributes_.partial_rows());
+  const double moment = sum_of_blocks(share_, attributes_.vertex_count(), BodyShare::block,
+                                      [&](Index first, Index end) {
+                                        double sum = 0;
+                                        for (Index v = first; v < end; ++v) sum += moment_of(v);
+                                        return sum;
+                                      });
   const double ramp = ramp_.value(time);
   if (is_booked_) work_ += (last_ramp_ + ramp) / 2 * (moment - moment_);
   moment_ = moment;

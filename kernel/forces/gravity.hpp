@@ -25,6 +25,7 @@ class Gravity final : public ForceTerm, public EnergyTerm, public WorkTerm {
   void add_forces_at(const VertexSelection&, std::span<const Index>, double,
                      std::vector<Vec3>&) override {}
   bool adds_no_rows() const override { return true; }
+  void divide_sums(BodyShare& share) override { share_ = &share; }
   Vec3 acceleration(double time) const override;
   double potential(double time) override;
   double work() const override { return work_; }
@@ -40,6 +41,7 @@ class Gravity final : public ForceTerm, public EnergyTerm, public WorkTerm {
   double moment_of(Index vertex) const;
 
   Attributes& attributes_;
+  BodyShare* share_ = nullptr;
   Vec3 value_;
   TimeRamp ramp_;
   double work_ = 0;

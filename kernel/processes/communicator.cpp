@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/processes/communicator.hpp"
 
+#include <unistd.h>
+
+#include <array>
 #include <cstdlib>
 #include <string>
 
@@ -19,6 +22,11 @@ std::string number_started() {
 }
 
 }  // namespace
+
+std::string name_of_machine() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
 
 bool is_one_of_several() {
   const std::string started = number_started();

@@ -56,6 +56,8 @@ class Communicator {
 
 /// True if a launcher of MPI has started this process as one of several.
 bool is_one_of_several();
+/// That of this process.
+std::string name_of_machine();
 /// Joins the processes that were started together, once per process. Loads libsuture-processes.so,
 /// and with it MPI. Throws InputError if this program was built without it,
 /// or if MPI finds another number of processes than the launcher has started.

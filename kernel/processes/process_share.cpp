@@ -4,75 +4,180 @@
 #include <algorithm>
 #include <cstring>
 #include <numeric>
+#include <sstream>
+#include <utility>
 
 namespace suture {
+
+ProcessShare::ProcessShare(Communicator& processes, unsigned threads)
+    : processes_(processes),
+      machines_(processes.gather(std::to_string(threads) + ' ' + name_of_machine())),
+      own_(processes.size()),
+      common_(processes.size()),
+      counts_(processes.size()) {}
+
+// -------------------------------------------------------------------- shares --
+
+unsigned ProcessShare::process_at(const CellComplex& complex, Index vertex) const {
+  const auto after = std::upper_bound(element_begins_.begin() + 1, element_begins_.end() - 1,
+                                      element_of(complex.dart_of(0, vertex)));
+  return static_cast<unsigned>(after - element_begins_.begin()) - 1;
+}
+
 namespace {
 
-/// Own vertices are whole ranges of every sum over vertices (Motion).
-constexpr Index aligned = 4 * BodyShare::block;
+std::uint64_t changes_of_elements(const CellComplex& complex) {
+  return 2 * std::uint64_t{complex.count(3)} - complex.existing(3);
+}
 
 }  // namespace
 
-ProcessShare::ProcessShare(Communicator& processes)
-    : processes_(processes), common_(processes.size()), counts_(processes.size()) {}
-
-loops::Rows ProcessShare::part_of(unsigned process, Index count) const {
-  const auto border = [&](std::uint64_t i) {
-    return static_cast<Index>(i * count / processes_.size());
-  };
-  return {border(process), border(process + 1)};
-}
-
-/// The process whose part has the first element of the vertex.
-unsigned ProcessShare::owner_of(const CellComplex& complex, Index vertex) const {
-  const std::uint64_t element = element_of(complex.dart_of(0, vertex));
-  return static_cast<unsigned>(((element + 1) * processes_.size() - 1) / complex.element_count());
-}
-
 void ProcessShare::divide(const CellComplex& complex) {
-  begins_.resize(processes_.size() + 1);
-  for (Index v = 0; v < complex.count(0); ++v)
-    ++begins_[complex.exists(0, v) ? owner_of(complex, v) + 1 : processes_.size()];
-  std::inclusive_scan(begins_.begin(), begins_.end(), begins_.begin());
-  for (Index& begin : begins_) begin -= begin % aligned;
+  if (element_begins_.empty()) mesh_blocks_ = complex.count(0) / aligned;
+  divide_elements(complex);
+  divide_blocks(complex);
+  changed_elements_ = changes_of_elements(complex);
 }
 
-/// The borders stay where they are at first, whatever operations do.
-std::vector<bool> ProcessShare::others(const CellComplex& complex) {
-  if (begins_.empty()) divide(complex);
-  std::vector<bool> others(complex.count(0), true);
-  const auto [begin, end] = own();
-  std::fill(others.begin() + begin, others.begin() + end, false);
-  for (auto& list : common_) list.clear();
-  for (Index v = common_begin(); v < others.size(); ++v) {
-    if (!complex.exists(0, v)) continue;
-    const unsigned owner = owner_of(complex, v);
-    common_[owner].push_back(v);
-    others[v] = owner != processes_.rank();
+/// Where a block is complete that all have stepped, or a sixteenth of a share has changed.
+void ProcessShare::follow(const CellComplex& complex) {
+  const bool has_block = complex.count(0) / aligned > process_of_block_.size();
+  const std::uint64_t changed = changes_of_elements(complex) - changed_elements_;
+  if (has_block || 16 * processes_.size() * changed > complex.existing(3)) divide(complex);
+}
+
+/// Into ranges with as many that exist.
+void ProcessShare::divide_elements(const CellComplex& complex) {
+  const std::uint64_t all = complex.existing(3), size = processes_.size();
+  element_begins_.clear();
+  Index existing = 0;
+  for (Index e = 0; e < complex.count(3); ++e) {
+    while (element_begins_.size() < size && existing >= element_begins_.size() * all / size)
+      element_begins_.push_back(e);
+    if (complex.exists(3, e)) ++existing;
   }
+  element_begins_.resize(size + 1, complex.count(3));
+}
+
+/// A block goes where most of its vertices have their first elements. Those of cuts may have them
+/// in many places: then to the process with the fewest blocks of those with half as many vertices.
+void ProcessShare::divide_blocks(const CellComplex& complex) {
+  process_of_block_.clear();
+  for (auto& ranges : own_) ranges.clear();
+  std::vector<Index> blocks(processes_.size()), vertices;
+  for (Index first = 0; first + aligned <= complex.count(0); first += aligned) {
+    vertices.assign(processes_.size(), 0);
+    for (Index v = first; v < first + aligned; ++v)
+      if (complex.exists(0, v)) ++vertices[process_at(complex, v)];
+    const Index most = *std::ranges::max_element(vertices);
+    unsigned chosen = processes_.size();
+    for (unsigned p = 0; p < processes_.size(); ++p)
+      if (2 * vertices[p] >= most && (chosen == processes_.size() || blocks[p] < blocks[chosen]))
+        chosen = p;
+    ++blocks[chosen];
+    process_of_block_.push_back(chosen);
+    auto& ranges = own_[chosen];
+    if (!ranges.empty() && ranges.back().end == first)
+      ranges.back().end += aligned;
+    else
+      ranges.push_back({first, first + aligned});
+  }
+}
+
+std::vector<bool> ProcessShare::others(const CellComplex& complex) {
+  if (element_begins_.empty()) divide(complex);
+  const unsigned rank = processes_.rank();
+  const Index common = common_begin(), made = mesh_blocks_ * aligned;
+  std::vector<bool> others(complex.count(0), true);
+  for (const auto& [begin, end] : own_[rank])
+    if (begin < made)
+      std::fill(others.begin() + begin, others.begin() + std::min(end, made), false);
+  for (auto& list : common_) list.clear();
+  moved_.clear(processes_.size());
+  for (Index v = made; v < others.size(); ++v) {
+    if (!complex.exists(0, v)) continue;
+    const unsigned sums = process_at(complex, v);
+    others[v] = sums != rank;
+    if (v >= common) {
+      common_[sums].push_back(v);
+      continue;
+    }
+    const unsigned steps = process_of_block_[v / aligned];
+    if (steps == sums) continue;
+    if (sums == rank) moved_.given[steps].push_back(v);
+    if (steps == rank) moved_.taken[sums].push_back(v);
+  }
+  moved_.prepare();
   return others;
 }
 
-void ProcessShare::read(const std::vector<bool>& vertices) {
-  borders_.clear();
-  taken_.assign(processes_.size(), {});
+/// The vertices among these that others step alone.
+void ProcessShare::find(Exchange& exchange, const std::vector<bool>& vertices) {
+  exchange.clear(processes_.size());
   for (unsigned p = 0; p < processes_.size(); ++p) {
     if (p == processes_.rank()) continue;
-    const auto [begin, end] = own_of(p);
-    for (Index v = begin; v < end; ++v)
-      if (vertices[v]) taken_[p].push_back(v);
-    borders_.insert(borders_.end(), taken_[p].begin(), taken_[p].end());
+    for (const auto& [begin, end] : own_[p])
+      for (Index v = begin; v < end; ++v)
+        if (vertices[v]) exchange.taken[p].push_back(v);
   }
-  given_ = processes_.swap(taken_);
-  in_.clear();
-  out_.clear();
+  exchange.given = processes_.swap(exchange.taken);
+  exchange.prepare();
+}
+
+void ProcessShare::read(const std::vector<bool>& vertices) {
+  find(at_borders_, vertices);
+  borders_.clear();
+  for (const auto& taken : at_borders_.taken)
+    borders_.insert(borders_.end(), taken.begin(), taken.end());
+}
+
+void ProcessShare::read_at_cells(const std::vector<bool>& vertices) { find(at_cells_, vertices); }
+
+loops::Rows ProcessShare::elements() const {
+  const unsigned rank = processes_.rank();
+  const bool is_last = rank + 1 == processes_.size();  // it has those made since, too
+  return {element_begins_[rank], is_last ? none : element_begins_[rank + 1]};
+}
+
+/// The number of vertices that a process steps alone.
+Index ProcessShare::steps(unsigned process) const {
+  Index number = 0;
+  for (const auto& [begin, end] : own_[process]) number += end - begin;
+  return number;
+}
+
+std::vector<BodyShare::Part> ProcessShare::parts() const {
+  std::vector<Part> parts;
   for (unsigned p = 0; p < processes_.size(); ++p) {
-    if (!taken_[p].empty()) in_.push_back({p, {}});
-    if (!given_[p].empty()) out_.push_back({p, {}});
+    Part& part = parts.emplace_back();
+    std::istringstream(machines_[p]) >> part.threads >> part.machine;
+    part.elements = {element_begins_[p], element_begins_[p + 1]};
+    part.vertices = steps(p);
   }
+  return parts;
 }
 
 // ---------------------------------------------------------------- exchanges --
+
+void ProcessShare::Exchange::clear(unsigned processes) {
+  taken.assign(processes, {});
+  given.assign(processes, {});
+}
+
+void ProcessShare::Exchange::prepare() {
+  in.clear();
+  out.clear();
+  for (unsigned p = 0; p < taken.size(); ++p) {
+    if (!taken[p].empty()) in.push_back({p, {}});
+    if (!given[p].empty()) out.push_back({p, {}});
+  }
+}
+
+/// For so many numbers at each vertex.
+void ProcessShare::Exchange::set_width(std::size_t numbers) {
+  for (auto& parcel : out) parcel.numbers.resize(numbers * given[parcel.process].size());
+  for (auto& parcel : in) parcel.numbers.resize(numbers * taken[parcel.process].size());
+}
 
 /// Gathers mine_ of all. Whether any process has met a fault.
 bool ProcessShare::exchange(bool fault) {
@@ -93,11 +198,55 @@ void ProcessShare::exchange(Failure& failure) {
     failure.merge(Failure::unpacked(text));
 }
 
+/// Whether the own vertices of all processes, one process after the other, are all.
+bool ProcessShare::is_in_order() const {
+  Index next = 0;
+  for (const auto& ranges : own_)
+    for (const auto& [begin, end] : ranges)
+      if (begin != std::exchange(next, end)) return false;
+  return true;
+}
+
 void ProcessShare::complete(VertexRows rows) {
   const std::size_t width = rows.bytes / sizeof(double);
-  for (unsigned p = 0; p < processes_.size(); ++p)
-    counts_[p] = static_cast<int>(width * (own_of(p).end - own_of(p).begin));
-  processes_.complete(reinterpret_cast<double*>(rows.data), counts_);
+  for (unsigned p = 0; p < processes_.size(); ++p) counts_[p] = static_cast<int>(width * steps(p));
+  double* const all = reinterpret_cast<double*>(rows.data);
+  if (is_in_order()) return processes_.complete(all, counts_);
+  std::vector<double> mine, packed(width * common_begin());
+  for (const auto& [begin, end] : own())
+    mine.insert(mine.end(), all + width * begin, all + width * end);
+  processes_.gather(mine, counts_, packed.data());
+  const double* next = packed.data();
+  for (const auto& ranges : own_)
+    for (const auto& [begin, end] : ranges) {
+      std::copy_n(next, width * (end - begin), all + width * begin);
+      next += width * (end - begin);
+    }
+}
+
+void ProcessShare::join_forces(VertexRows rows, Failure& failure) {
+  join_moved(rows);
+  join_common(rows, failure);
+}
+
+void ProcessShare::join_moved(VertexRows rows) {
+  const std::size_t width = rows.bytes / sizeof(double);
+  moved_.set_width(width);
+  for (auto& [process, numbers] : moved_.out) {
+    double* next = numbers.data();
+    for (const Index v : moved_.given[process]) {
+      std::memcpy(next, rows.data + v * rows.bytes, rows.bytes);
+      next += width;
+    }
+  }
+  processes_.swap(moved_.out, moved_.in);
+  for (const auto& [process, numbers] : moved_.in) {
+    const double* next = numbers.data();
+    for (const Index v : moved_.taken[process]) {
+      std::memcpy(rows.data + v * rows.bytes, next, rows.bytes);
+      next += width;
+    }
+  }
 }
 
 void ProcessShare::join_common(VertexRows rows, Failure& failure) {
@@ -119,24 +268,19 @@ void ProcessShare::join_common(VertexRows rows, Failure& failure) {
   }
 }
 
-void ProcessShare::join_borders(std::span<double* const> columns) {
-  const auto prepare = [&](std::vector<Communicator::Parcel>& parcels, const auto& lists) {
-    for (auto& [process, numbers] : parcels)
-      numbers.resize(3 * columns.size() * lists[process].size());
-  };
-  prepare(out_, given_);
-  prepare(in_, taken_);
-  for (auto& [process, numbers] : out_) {
+void ProcessShare::join(Exchange& exchange, std::span<double* const> columns) {
+  exchange.set_width(3 * columns.size());
+  for (auto& [process, numbers] : exchange.out) {
     double* next = numbers.data();
     for (const double* column : columns)
-      for (const Index v : given_[process])
+      for (const Index v : exchange.given[process])
         next = std::copy_n(column + std::size_t{v} * 4, 3, next);
   }
-  processes_.swap(out_, in_);
-  for (const auto& [process, numbers] : in_) {
+  processes_.swap(exchange.out, exchange.in);
+  for (const auto& [process, numbers] : exchange.in) {
     const double* next = numbers.data();
     for (double* column : columns)
-      for (const Index v : taken_[process]) {
+      for (const Index v : exchange.taken[process]) {
         std::copy_n(next, 3, column + std::size_t{v} * 4);
         next += 3;
       }
@@ -144,37 +288,44 @@ void ProcessShare::join_borders(std::span<double* const> columns) {
 }
 
 bool ProcessShare::join_blocks(std::span<double> rows, std::size_t width, bool good) {
-  const auto of = [&](unsigned process) {
-    const auto [begin, end] = own_of(process);
-    return rows.subspan(begin / block * width, (end - begin) / block * width);
+  const auto of = [&](const loops::Rows& range) {
+    return rows.subspan(range.begin / block * width, (range.end - range.begin) / block * width);
   };
-  const auto own = of(processes_.rank());
-  mine_.assign(own.begin(), own.end());
-  for (unsigned p = 0; p < processes_.size(); ++p) counts_[p] = static_cast<int>(of(p).size() + 1);
+  mine_.clear();
+  for (const loops::Rows& range : own())
+    mine_.insert(mine_.end(), of(range).begin(), of(range).end());
+  for (unsigned p = 0; p < processes_.size(); ++p)
+    counts_[p] = static_cast<int>(steps(p) / block * width + 1);
   const bool any_is_bad = exchange(!good);
   const double* next = all_.data();
-  for (unsigned p = 0; p < processes_.size(); ++p) {
-    std::copy_n(next, of(p).size(), of(p).begin());
-    next += counts_[p];
+  for (const auto& ranges : own_) {
+    for (const loops::Rows& range : ranges) {
+      std::copy_n(next, of(range).size(), of(range).begin());
+      next += of(range).size();
+    }
+    ++next;  // whether it is good
   }
   return !any_is_bad;
 }
 
-void ProcessShare::join_sums(std::span<double> sums, Failure& failure) {
-  const auto count = static_cast<Index>(sums.size());
-  const auto [begin, end] = part(count);
-  mine_.assign(sums.begin() + begin, sums.begin() + end);
-  for (unsigned p = 0; p < processes_.size(); ++p) {
-    const auto [first, last] = part_of(p, count);
-    counts_[p] = static_cast<int>(last - first + 1);
+void ProcessShare::join_sums(std::span<double> sums, std::span<const unsigned> processes,
+                             Failure& failure) {
+  std::ranges::fill(counts_, 1);  // whether it has failed
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    ++counts_[processes[i]];
+    if (processes[i] == processes_.rank()) mine_.push_back(sums[i]);
   }
   exchange(failure);
-  const double* next = all_.data();
-  for (unsigned p = 0; p < processes_.size(); ++p) {
-    const auto [first, last] = part_of(p, count);
-    std::copy_n(next, last - first, sums.begin() + first);
-    next += last - first + 1;
-  }
+  std::vector<const double*> next{all_.data()};
+  for (const int count : counts_) next.push_back(next.back() + count);
+  for (std::size_t i = 0; i < sums.size(); ++i) sums[i] = *next[processes[i]]++;
+}
+
+std::vector<Index> ProcessShare::join_lists(const std::vector<Index>& mine) {
+  std::vector<Index> all;
+  for (const auto& list : processes_.swap(std::vector(processes_.size(), mine)))
+    all.insert(all.end(), list.begin(), list.end());
+  return all;
 }
 
 }  // namespace suture

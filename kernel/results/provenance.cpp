@@ -59,8 +59,20 @@ Json describe_models(const Scene& scene, PluginHost& host) {
   return models;
 }
 
+/// As they are when the first results are written.
+Json describe_processes(const BodyShare& share) {
+  Json processes = Json::array();
+  for (const BodyShare::Part& part : share.parts())
+    processes.push_back({{"machine", part.machine},
+                         {"threads", part.threads},
+                         {"elements", {part.elements.begin, part.elements.end}},
+                         {"vertices", part.vertices}});
+  return processes;
+}
+
 std::string describe(const Scene& scene, PluginHost& host, const BuiltScene& built) {
   Json all{{"suture", SUTURE_VERSION}, {"machine", describe_machine(built)}};
+  if (const BodyShare* share = built.body().share()) all["processes"] = describe_processes(*share);
   all["models"] = describe_models(scene, host);
   all["files"] = Json::array();
   for (const std::filesystem::path& file : scene.files)

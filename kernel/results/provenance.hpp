@@ -15,7 +15,8 @@ struct Provenance {
   std::string line;
   /// provenance.json, what it takes to repeat the run: the program, the machine, the scene with all
   /// changes, and the files and plugins that it uses, with their sizes and hashes (XXH64). Times,
-  /// folders and threads are left out: on one machine, equal runs write equal texts.
+  /// folders and threads are left out: on one machine, equal runs write equal texts. Only several
+  /// processes name themselves, with their machines, threads and shares of the body.
   /// Reads all files of the scene once, at the speed of the disk.
   std::function<std::string()> json;
 };

@@ -80,7 +80,8 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
 void RunLoop::share(Communicator& processes) {
   require_shareable(scene_);
   require_same_run(processes, scene_, checkpoint_header(built_, host_));
-  built_.body().share(std::make_unique<ProcessShare>(processes));
+  built_.body().share(
+      std::make_unique<ProcessShare>(processes, built_.body().models().workers().threads()));
   processes_ = &processes;
 }
 

@@ -26,6 +26,19 @@ Json operation(Random& random) {
   return {{"suture", Json::object()}};
 }
 
+/// Parallel cuts one after the other, whose new vertices make whole blocks.
+void add_many_cuts(Json& events, Random& random, double end) {
+  const int number = static_cast<int>(random.between(8, 20));
+  const double slope = random.between(-0.3, 0.3);
+  for (int i = 0; i < number; ++i)
+    events.push_back({{"at", random.between(0, 0.7) * end},
+                      {"cut",
+                       {{"plane",
+                         {{"point", {(i + 0.6) / (number + 0.2), 0.5, 0.5}},
+                          {"normal", {1, slope, random.between(-0.1, 0.1)}}}},
+                        {"along", "faces"}}}});
+}
+
 Json models(Random& random) {
   const Json solid{{"model", "tm-faure"}, {"parameters", {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}}}};
   const Json springs{{"model", "mss-baudet"},
@@ -108,6 +121,7 @@ Case divided(Random& random, unsigned index) {
     scene["events"].push_back(
         {{"every", 5},
          {"tear", {{"by", "principal-strain"}, {"above", random.between(0.01, 0.1)}}}});
+  if (random.chance(0.2)) add_many_cuts(scene["events"], random, end);
   const bool divides = scene["events"].dump().find("blade") != std::string::npos;
   for (int i = static_cast<int>(random.between(0, 2.5)); i > 0; --i)
     scene["loads"].push_back(load(random, divides));

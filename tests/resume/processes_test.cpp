@@ -322,19 +322,23 @@ TEST_F(Together, OthersGoOnFromTheirCheckpoint) {
 }
 
 /// A checkpoint after a look for islands that sleep has the forces of the step to come, so that
-/// nothing is evaluated before the first pass; a cut has changed the borders.
+/// nothing is evaluated before the first pass; cuts have changed the borders, and their vertices
+/// make a fifth block.
 TEST_F(Together, OthersGoOnWithTheForcesOfACheckpoint) {
-  const Case what{"forces", Json::parse(R"({
+  Case what{"forces", Json::parse(R"({
     "suture": 2,
     "mesh": {"box": {"size": [1, 1, 1], "cells": [25, 25, 25]}},
     "models": [{"model": "tm-faure", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
     "gravity": [0, -10, 0],
     "constraints": [{"where": {"set": "x0"}, "fix": "xyz"}],
     "solver": {"end": 0.04, "dt": 5e-4, "sleep": {"acceleration": 1e-7, "velocity": 1e-7}},
-    "events": [{"at": 0.01, "cut": {"along": "faces", "plane": {"point": [0.5, 0.5, 0.5],
-                                                                "normal": [0.4, 1, 0.2]}}}],
     "output": {"directory": "out"},
     "checkpoint": {"every_steps": 64}})")};
+  for (const double y : {0.3, 0.4, 0.5, 0.6, 0.7})
+    what.scene["events"].push_back(
+        {{"at", 0.01},
+         {"cut",
+          {{"along", "faces"}, {"plane", {{"point", {0.5, y, 0.5}}, {"normal", {0.4, 1, 0.2}}}}}}});
   const fs::path at = folder_ / "case", alone = at / "alone", there = at / "there";
   write_case(what, at);
   EXPECT_EQ(run(what, {at / "scene.json"}, 0, alone), 0) << said(alone);
@@ -342,6 +346,18 @@ TEST_F(Together, OthersGoOnWithTheForcesOfACheckpoint) {
   const std::string newest = newest_checkpoint(there / "out").filename();
   EXPECT_EQ(run(what, {"--resume", "out/" + newest}, 3, there), 0) << said(there);
   EXPECT_EQ(difference(alone / "out", there / "out"), "");
+  const Json processes = Json::parse(read_text(there / "out" / "provenance.json"))["processes"];
+  EXPECT_EQ(processes.size(), 3u);
+  int elements = 0, vertices = 0;
+  for (const Json& process : processes) {
+    EXPECT_EQ(process["elements"][0], elements);
+    elements = process["elements"][1];
+    vertices += process["vertices"].get<int>();
+    EXPECT_NE(process["machine"], "");
+    EXPECT_GT(process["threads"], 0);
+  }
+  EXPECT_EQ(elements, 25 * 25 * 25);
+  EXPECT_EQ(vertices, 5 * 4096);
 }
 
 TEST_F(Together, TheProgramStartsThem) {

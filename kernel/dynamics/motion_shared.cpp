@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What passes over the vertices do where several processes share them (forces/body_share.hpp).
+#include <algorithm>
+
+#include "kernel/dynamics/motion.hpp"
+#include "kernel/forces/contact_law.hpp"
+
+namespace suture {
+
+bool Motion::divides() const {
+  return body_.models().may_divide() && !frozen_ && body_.fields().empty() &&
+         body_.marks_vertices();
+}
+
+/// Every process keeps the state of all driven vertices.
+void Motion::drift_driven_of_others(double dt, double end) {
+  for_each_range_of_others(*body_.share(), [&](Index first, Index last) {
+    body_.constraints().drift(body_.attributes(), dt, end, first, last);
+  });
+}
+
+/// After a pass of this process: it gets the sums of all, and what is at its borders. The forces of
+/// vertices that others step are zero again. Returns whether all passes were good.
+bool Motion::join_pass(bool good) {
+  Attributes& attributes = body_.attributes();
+  BodyShare& share = *body_.share();
+  std::vector<double*> read{attributes.position().rows()};
+  ContactLaw* const contact = body_.contact();
+  if (body_.models().reads_velocity() || contact) read.push_back(attributes.velocity().rows());
+  if (contact) read.push_back(contact->kept_forces());
+  share.join_borders(read);
+  PartialRows& partial = attributes.partial_rows();
+  double* const force = attributes.force().rows();
+  const auto clear = [&](Index first, Index last) {
+    std::fill(force + std::size_t{first} * 4, force + std::size_t{last} * 4, 0.0);
+  };
+  if (partial.is_partial(PartialRows::force)) {
+    for (const Index v : share.borders()) clear(v, v + 1);
+  } else {
+    for_each_range_of_others(share, clear);
+  }
+  partial.set(PartialRows::position, true);
+  partial.set(PartialRows::velocity, true);
+  partial.set(PartialRows::force, false);
+  return share.join_blocks(sums_.numbers(), MotionSums::width, good);
+}
+
+/// Passes find what is not finite in the velocities of free components; these they overwrite.
+void Motion::require_finite_reactions(bool divides) const {
+  const Constraints& constraints = body_.constraints();
+  if (constraints.empty()) return;
+  if (divides) {
+    const PartialRows::OwnIsEnough enough(body_.attributes().partial_rows());
+    const Column& force = body_.attributes().force();
+    BodyShare& share = *body_.share();
+    bool is_good = constraints.first_not_finite(force, share.common_begin()) == none;
+    for (const auto& [begin, end] : share.own())
+      is_good = is_good && constraints.first_not_finite(force, begin, end) == none;
+    if (share.all(is_good)) return;
+  }
+  const Index vertex = constraints.first_not_finite(body_.attributes().force());
+  if (vertex != none) refuse_vertex("the force on node ", vertex);
+}
+
+}  // namespace suture

@@ -49,11 +49,11 @@ void Body::share(std::unique_ptr<BodyShare> share) {
         share_->complete({rows, 4});
       },
       [this](double* rows) { share_->complete_at_cells(rows); });
-  for (const auto& term : loads()) term->divide_sums(*share_);
+  for_each_with<SharedTerm>(terms_, [&](SharedTerm& term) { term.divide_sums(*share_); });
 }
 
 void Body::share_with(ForceTerm& added) {
-  added.divide_sums(*share_);
+  if (auto* term = dynamic_cast<SharedTerm*>(&added)) term->divide_sums(*share_);
   models_->find_share();
 }
 

@@ -11,8 +11,6 @@
 
 namespace suture {
 
-class BodyShare;
-
 /// A step of a run, s.
 struct StepTimes {
   double time = 0;  ///< at its start
@@ -48,8 +46,6 @@ class ForceTerm : public Follower {
   virtual bool marks_vertices() const { return adds_no_rows(); }
   /// marks[v] = true at these, as they are in the complex now. O(vertices marked).
   virtual void mark_vertices(std::vector<bool>& /*marks*/) const {}
-  /// From now on, several processes compute its sums over vertices, and this one its share.
-  virtual void divide_sums(BodyShare& /*share*/) {}
   /// A uniform acceleration, m/s^2, which the passes over the vertices add.
   virtual Vec3 acceleration(double /*time*/) const { return {}; }
 

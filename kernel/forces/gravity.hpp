@@ -9,7 +9,7 @@ namespace suture {
 
 /// f = m g ramp(t). It is added where velocities are computed and needs no separate pass, except
 /// for its work: one pass per check, and one per step during the ramp.
-class Gravity final : public ForceTerm, public EnergyTerm, public WorkTerm {
+class Gravity final : public ForceTerm, public EnergyTerm, public WorkTerm, public SharedTerm {
  public:
   /// `value` in m/s^2.
   Gravity(Attributes& attributes, const Vec3& value, const TimeRamp& ramp)

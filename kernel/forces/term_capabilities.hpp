@@ -15,12 +15,15 @@
 //   BoundedTerm      bounds on the stiffness      the stable step without a search
 //   EnergyTerm       stored energy, potential     the balance of energy
 //   WorkTerm         work since the start         the balance of energy
+//   SharedTerm       sums over vertices           several processes
 //   ConstraintTerm   multipliers                  Newton's method
 //   NonsmoothTerm    kinks (nonsmooth_term.hpp)   Newton's method
 //
 // A term derives from ForceTerm and from those that it has.
 
 namespace suture {
+
+class BodyShare;
 
 /// visit(capability) for those of a list of terms that have it, in their order.
 template <class Capability, class Terms, class Visit>
@@ -173,6 +176,16 @@ class WorkTerm {
 
  protected:
   ~WorkTerm() = default;
+};
+
+/// Sums over vertices that several processes can divide.
+class SharedTerm {
+ public:
+  /// From now on, several processes compute its sums over vertices, and this one its share.
+  virtual void divide_sums(BodyShare& share) = 0;
+
+ protected:
+  ~SharedTerm() = default;
 };
 
 /// Forces by which a constraint holds, with multipliers that converge to them. On the way to an

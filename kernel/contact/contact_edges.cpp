@@ -27,12 +27,13 @@ void Contact::find_at_edges() {
 /// Reports the vertices that have moved to the pieces. Returns the largest change of a velocity,
 /// m/s.
 double Contact::sweep_edges(double dt) {
+  if (!pieces_) return edges_->sweep(dt);
   const std::span<const Index> vertices = edges_->vertices();
   const auto velocity = [&](Index v) { return row(attributes_.velocity().rows(), v); };
   before_edges_.clear();
   for (const Index v : vertices) before_edges_.push_back(velocity(v));
   const double largest = edges_->sweep(dt);
-  for (std::size_t i = 0; pieces_ && i < vertices.size(); ++i)
+  for (std::size_t i = 0; i < vertices.size(); ++i)
     pieces_->disturb(vertices[i], dt * norm(minus(velocity(vertices[i]), before_edges_[i])));
   return largest;
 }

@@ -52,8 +52,7 @@ double ForceLoop::Impl::sum_of(Index number, const CellNumbers& numbers, double 
                                Failure& first) {
   if (numbers.function == nullptr) return 0;
   if (share && !others) find_share();
-  const PartialRows::Enough enough(
-      attributes.partial_rows(), share ? PartialRows::Extent::at_cells : PartialRows::Extent::all);
+  const PartialRows::Enough enough(attributes.partial_rows(), PartialRows::Extent::at_cells);
   std::vector<double> of_chunk(functors[number].list().chunk_count());
   run(number, numbers.name, time,
       [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,

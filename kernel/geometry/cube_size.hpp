@@ -43,9 +43,7 @@ template <class Fill>
 auto fill_with_cells(const TriangleSurface& surface, std::size_t cells, Fill fill,
                      Diagnostics& diagnostics) {
   const double wanted = double(cells);
-  if (wanted > max_elements)
-    throw InputError(surface.source + ": " + grouped(cells) + " cells exceed the " +
-                     grouped(max_elements) + " that the map can number");
+  require_numbers(wanted, surface.source + ": " + grouped(cells) + " cells");
   double edge = std::cbrt(volume_of(surface) / wanted);
   if (!(edge > 0)) throw InputError(surface.source + ": the surface encloses no volume");
   double short_edge = 0, long_edge = std::numeric_limits<double>::infinity();

@@ -232,10 +232,6 @@ bool has_area(const TriangleSurface& surface, const Triangle& t) {
   return size_of(cross(one, other)) > margin * size_of(one) * size_of(other);
 }
 
-}  // namespace
-
-namespace {
-
 /// The side of the neighbour along each side; empty if the soup is not sound.
 std::vector<Index> opposite_if_sound(const PolygonSoup& soup) {
   if (!are_triangles(soup) || !are_distinct(soup.points)) return {};

@@ -221,10 +221,6 @@ std::string list_of_holes(const std::vector<Hole>& holes) {
   return text;
 }
 
-}  // namespace
-
-namespace {
-
 /// Null if it is not certain that the soup is a solid.
 std::shared_ptr<const SolidSurface> solid_if_sound(const PolygonSoup& soup) {
   std::optional<TriangleSurface> surface = sound_solid(soup);

@@ -147,9 +147,7 @@ Mesh voxelize(const TriangleSurface& surface, const VoxelizeOptions& options,
     throw InputError(surface.source + ": no cube of edge " + number_text(filling.grid.edge) +
                      " m has its centre inside the body of " + size_text(box) +
                      "; use more cells or a shorter edge");
-  if (filling.count > max_elements)
-    throw InputError(surface.source + ": " + grouped(filling.count) + " cubes exceed the " +
-                     grouped(max_elements) + " that the map can number");
+  require_numbers(double(filling.count), surface.source + ": " + grouped(filling.count) + " cubes");
   if (!options.largest_island) warn_if_coarse(filling, surface, box, diagnostics);
   Mesh mesh = mesh_of(filling);
   mesh.source = surface.source;

@@ -38,10 +38,7 @@ void check(const BoxOptions& box) {
     }
     hexahedra *= box.cells[a];
   }
-  if (hexahedra > max_elements) {
-    throw InputError("box: " + number(hexahedra) + " hexahedra exceed the " +
-                     grouped(max_elements) + " that the map can number");
-  }
+  require_numbers(hexahedra, "box: " + number(hexahedra) + " hexahedra");
 }
 
 // Share of the length that lies before node i of n cells whose widths grow by r

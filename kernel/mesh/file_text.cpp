@@ -66,6 +66,11 @@ std::string grouped(std::uint64_t value) {
   return text;
 }
 
+void require_numbers(double count, const std::string& cells) {
+  if (count > max_elements)
+    throw InputError(cells + " exceed the " + grouped(max_elements) + " that the map can number");
+}
+
 std::string_view TextCursor::skip_line() {
   const char* begin = p_;
   const char* stop = std::find(p_, end_, '\n');

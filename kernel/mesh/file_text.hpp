@@ -37,6 +37,8 @@ std::string in_quotes(std::string_view word);
 
 /// "1,234,567".
 std::string grouped(std::uint64_t value);
+/// Throws InputError "`cells` exceed the 67,108,863 that the map can number" if they are more.
+void require_numbers(double count, const std::string& cells);
 
 /// Reads words and numbers separated by white space. Numbers are read by std::from_chars: about 10
 /// ns per integer, 30 ns per double.

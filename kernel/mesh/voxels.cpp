@@ -21,11 +21,8 @@ void check(const VoxelOptions& voxels, std::size_t columns) {
     if (!std::isfinite(x)) throw InputError("voxels: the origin must be finite");
   }
   if (voxels.layers == 0) throw InputError("voxels: 0 layers; at least 1 is needed");
-  const double cells = double(columns) * double(voxels.rows.size()) * voxels.layers;
-  if (cells > max_elements) {
-    throw InputError("voxels: the drawing has more cells than the " + grouped(max_elements) +
-                     " that the map can number");
-  }
+  require_numbers(double(columns) * double(voxels.rows.size()) * voxels.layers,
+                  "voxels: the cells of the drawing");
 }
 
 /// Numbers the corners of the lattice that some cube uses, in the order met.

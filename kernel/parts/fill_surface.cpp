@@ -133,9 +133,8 @@ Mesh fill_surface(const TriangleSurface& surface, const CubeSize& size, Diagnost
                      " m has a corner inside the body of " + size_text(box) +
                      "; use more cells or a shorter edge");
   std::vector<Piece> pieces = pieces_of(filling, filling.inside);
-  if (pieces.size() > max_elements)
-    throw InputError(surface.source + ": " + grouped(pieces.size()) + " elements exceed the " +
-                     grouped(max_elements) + " that the map can number");
+  require_numbers(double(pieces.size()),
+                  surface.source + ": " + grouped(pieces.size()) + " elements");
   if (const std::size_t specks = drop_specks(filling, pieces); specks != 0)
     diagnostics.note(surface.source + ": " + grouped(specks) +
                      (specks == 1 ? " piece" : " pieces") +

@@ -173,10 +173,23 @@ void ProcessShare::Exchange::prepare() {
   }
 }
 
-/// For so many numbers at each vertex.
-void ProcessShare::Exchange::set_width(std::size_t numbers) {
-  for (auto& parcel : out) parcel.numbers.resize(numbers * given[parcel.process].size());
-  for (auto& parcel : in) parcel.numbers.resize(numbers * taken[parcel.process].size());
+/// `numbers` at each vertex: give(v, to) writes those that another process gets, and take(v, from)
+/// reads those that it has sent.
+template <class Give, class Take>
+void ProcessShare::join(Exchange& exchange, std::size_t numbers, Give give, Take take) {
+  for (auto& [process, sent] : exchange.out) {
+    const std::vector<Index>& vertices = exchange.given[process];
+    sent.resize(numbers * vertices.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) give(vertices[i], sent.data() + i * numbers);
+  }
+  for (auto& [process, received] : exchange.in)
+    received.resize(numbers * exchange.taken[process].size());
+  processes_.swap(exchange.out, exchange.in);
+  for (const auto& [process, received] : exchange.in) {
+    const std::vector<Index>& vertices = exchange.taken[process];
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      take(vertices[i], received.data() + i * numbers);
+  }
 }
 
 /// Gathers mine_ of all. Whether any process has met a fault.
@@ -230,23 +243,11 @@ void ProcessShare::join_forces(VertexRows rows, Failure& failure) {
 }
 
 void ProcessShare::join_moved(VertexRows rows) {
-  const std::size_t width = rows.bytes / sizeof(double);
-  moved_.set_width(width);
-  for (auto& [process, numbers] : moved_.out) {
-    double* next = numbers.data();
-    for (const Index v : moved_.given[process]) {
-      std::memcpy(next, rows.data + v * rows.bytes, rows.bytes);
-      next += width;
-    }
-  }
-  processes_.swap(moved_.out, moved_.in);
-  for (const auto& [process, numbers] : moved_.in) {
-    const double* next = numbers.data();
-    for (const Index v : moved_.taken[process]) {
-      std::memcpy(rows.data + v * rows.bytes, next, rows.bytes);
-      next += width;
-    }
-  }
+  const auto at = [&](Index v) { return rows.data + v * rows.bytes; };
+  join(
+      moved_, rows.bytes / sizeof(double),
+      [&](Index v, double* to) { std::memcpy(to, at(v), rows.bytes); },
+      [&](Index v, const double* from) { std::memcpy(at(v), from, rows.bytes); });
 }
 
 void ProcessShare::join_common(VertexRows rows, Failure& failure) {
@@ -269,22 +270,17 @@ void ProcessShare::join_common(VertexRows rows, Failure& failure) {
 }
 
 void ProcessShare::join(Exchange& exchange, std::span<double* const> columns) {
-  exchange.set_width(3 * columns.size());
-  for (auto& [process, numbers] : exchange.out) {
-    double* next = numbers.data();
-    for (const double* column : columns)
-      for (const Index v : exchange.given[process])
-        next = std::copy_n(column + std::size_t{v} * 4, 3, next);
-  }
-  processes_.swap(exchange.out, exchange.in);
-  for (const auto& [process, numbers] : exchange.in) {
-    const double* next = numbers.data();
-    for (double* column : columns)
-      for (const Index v : exchange.taken[process]) {
-        std::copy_n(next, 3, column + std::size_t{v} * 4);
-        next += 3;
-      }
-  }
+  join(
+      exchange, 3 * columns.size(),
+      [&](Index v, double* to) {
+        for (const double* column : columns) to = std::copy_n(column + std::size_t{v} * 4, 3, to);
+      },
+      [&](Index v, const double* from) {
+        for (double* column : columns) {
+          std::copy_n(from, 3, column + std::size_t{v} * 4);
+          from += 3;
+        }
+      });
 }
 
 bool ProcessShare::join_blocks(std::span<double> rows, std::size_t width, bool good) {

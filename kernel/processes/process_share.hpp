@@ -56,11 +56,12 @@ class ProcessShare final : public BodyShare {
     std::vector<Communicator::Parcel> in, out;  ///< of processes with such vertices
     void clear(unsigned processes);
     void prepare();
-    void set_width(std::size_t numbers);
   };
 
   Index steps(unsigned process) const;
   void find(Exchange& exchange, const std::vector<bool>& vertices);
+  template <class Give, class Take>
+  void join(Exchange& exchange, std::size_t numbers, Give give, Take take);
   void join(Exchange& exchange, std::span<double* const> columns);
   void divide_elements(const CellComplex& complex);
   void divide_blocks(const CellComplex& complex);

@@ -216,6 +216,7 @@ void CellProjection::collect(std::size_t first, std::size_t end, bool is_last,
 void CellProjection::finish() {
   add(pending_nodes_, 1, pending_.data());
   pending_nodes_.clear();
+  pending_.clear();
 }
 
 /// Adds factor * values, blocks of the upper triangle, to the rows of some nodes. The places of the

@@ -83,7 +83,7 @@ TEST_F(ProcessShares, TakeTheVerticesOfCuts) {
   for (const int face : {0, 2}) {
     std::vector<Dart> faces;
     for (Index e = 0; e < complex_.count(3); ++e)
-      if (complex_.can_cut(24 * e + 4 * face)) faces.push_back(24 * e + 4 * face);
+      if (complex_.can_cut(face_dart(e, face))) faces.push_back(face_dart(e, face));
     complex_.cut(faces);
     follow();
   }

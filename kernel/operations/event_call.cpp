@@ -203,7 +203,12 @@ EventOutcome EventRunner::Call::cut_along_sheet() const {
   if (time < blade.begin()) return outcome;
   const double from = std::clamp(state.sheet->time(), blade.begin(), time),
                to = std::max(from, std::min(time, blade.end()));
-  const int parts = state.sheet->rows_between(blade.at(from), blade.at(to));
+  int parts = 1;
+  try {
+    parts = state.sheet->rows_between(blade.at(from), blade.at(to));
+  } catch (const InputError& error) {
+    throw InputError(timed(time, event.path + "/cut/blade") + ": " + error.what());
+  }
   for (int i = 1; i <= parts; ++i) {
     const double at = i < parts ? from + (to - from) * i / parts : time;
     const EventOutcome cut =

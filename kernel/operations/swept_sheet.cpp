@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "kernel/base/archive.hpp"
+#include "kernel/base/error.hpp"
 #include "kernel/base/rows.hpp"
+#include "kernel/geometry/cube_size.hpp"
 #include "kernel/parts/embedding.hpp"
 
 namespace suture {
@@ -14,6 +17,8 @@ namespace {
 
 // The distances between points of the edge, and between rows of the sheet; in elements.
 constexpr double between_points = 0.5, between_rows = 0.25;
+// Points of an edge, and of all rows that it passes in a step.
+constexpr double most_points = 1e5, most_traced = 1e7;
 // How many rows are waited for before the body is cut along them.
 constexpr std::size_t rows_per_cut = 2;
 // The corners of an element that is divided are so near to the new rows, behind which the opening
@@ -52,6 +57,13 @@ SweptSheet::SweptSheet(const CellComplex& complex, Attributes& attributes,
       kept_(complex.count(0), no_height),
       stroke_of_(complex.count(0), 0),
       times_divided_(complex.element_count()) {
+  double length = 0;
+  for (std::size_t i = 0; i + 1 < edge.size(); ++i) length += norm(minus(edge[i + 1], edge[i]));
+  if (!(length <= most_points * between_points * size_))
+    throw InputError("the edge of the blade is " + number_text(length) + " m long, " +
+                     number_text(length / size_) + " elements; at most " +
+                     number_text(most_points * between_points) +
+                     " elements are traced: let it end near the body");
   for (std::size_t i = 0; i + 1 < edge.size(); ++i) {
     const double length = norm(minus(edge[i + 1], edge[i]));
     divisions_.push_back(static_cast<Index>(std::ceil(length / (between_points * size_)) + 1));
@@ -95,7 +107,14 @@ bool SweptSheet::find_shifts(const Row& row) {
 }
 
 int SweptSheet::rows_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const {
-  return static_cast<int>(std::clamp(std::ceil(way(from, to) / (between_rows * size_)), 1.0, 1e6));
+  const double rows = std::max(std::ceil(way(from, to) / (between_rows * size_)), 1.0);
+  const double points = 1 + std::accumulate(divisions_.begin(), divisions_.end(), 0.0);
+  if (!(rows * points <= most_traced))
+    throw InputError("the blade moves " + number_text(way(from, to)) + " m in this step, " +
+                     number_text(rows * between_rows) + " elements, with an edge of " +
+                     number_text(points) + " points; at most " + number_text(most_traced) +
+                     " points are traced in a step: let its path begin and end near the body");
+  return static_cast<int>(rows);
 }
 
 SweptSheet::Row SweptSheet::at_rest(Row row) const {

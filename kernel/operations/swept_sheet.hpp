@@ -31,6 +31,7 @@ namespace suture {
 class SweptSheet final : public Blade {
  public:
   /// `edge`: the polyline in tissue coordinates at first, which says how finely it is traced, m.
+  /// Throws InputError if it is longer than 50,000 elements.
   SweptSheet(const CellComplex& complex, Attributes& attributes, const std::vector<Vec3>& edge);
 
   /// The edge is at these points now, after the last call. Returns true if a cut may have something
@@ -39,7 +40,8 @@ class SweptSheet final : public Blade {
   bool advance(const std::vector<Vec3>& points, double time, bool is_last);
   /// When advance() was last called, s.
   double time() const { return time_; }
-  /// How often it must be called for an edge that moves so far: at least once.
+  /// How often it must be called for an edge that moves so far: at least once. Throws InputError if
+  /// more than ten million points would be traced.
   int rows_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
   /// Call after each cut along this, before elements are divided, with its heights.
   void keep(const std::vector<double>& heights, std::span<const Index> divided);

@@ -112,6 +112,23 @@ TEST_F(MovingAlong, CutsWhatItPassesWithinAStep) {
   EXPECT_EQ(in_a_step, divided);
 }
 
+TEST_F(MovingAlong, RefusesEdgesAndWaysWithoutAnEnd) {
+  EXPECT_THAT(
+      [&] {
+        build({at(0, 3, 2, -1, 1e5), at(1, 4, 2, -1, 1e5)});
+      },
+      testing::ThrowsMessage<InputError>(testing::HasSubstr(
+          "/events/0/cut: the edge of the blade is 1e+05 m long, 1e+05 elements; at most "
+          "5e+04 elements are traced")));
+  build({at(0, -1, 1.3), at(0.004, 4e9, 2.7)});
+  EXPECT_THAT([&] { move(0, 0.01); },
+              testing::ThrowsMessage<InputError>(testing::HasSubstr(
+                  "t = 0.01 s: /events/0/cut/blade: the blade moves 4e+09 m in this step")));
+  build({at(0, -1, 1.3), at(0.004, 1e5, 2.7)});
+  move(0, 0.02);
+  EXPECT_EQ(islands(), 2u);
+}
+
 TEST_F(MovingAlong, CutsAnArc) {
   std::vector<CutBlade::Station> stations;
   double length = 0;

@@ -7,6 +7,7 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/base/error.hpp"
 
 namespace suture::bench {
 namespace {
@@ -68,14 +69,20 @@ struct ForceOptions {
 double springs(BenchBody& body) { return body.complex().count(1) + 4.0 * body.element_count(); }
 
 /// Beside the two roofs of the machine: bytes that must move if no cache helps (so
-/// more than the whole stream is possible), and operations.
+/// more than the whole stream is possible), and operations. Throws NumericalError if a model is
+/// faster than the processor was found to be.
 void add_roofline(const ForceCase& c, BenchBody& body, double seconds, unsigned threads,
                   Line& line) {
   const Machine& roof = machine(threads);
   const double bytes = bytes_per_element(body), rate = body.element_count() / seconds;
   line.add("B/el", bytes).add("% of stream", 100 * bytes * rate / roof.bandwidth);
   if (c.operations == 0) return;
-  line.add("flop/el", c.operations).add("% of peak", 100 * c.operations * rate / roof.flops);
+  const double share = c.operations * rate / roof.flops;
+  if (share > 1)
+    throw NumericalError(
+        std::string(c.name) + " takes " + std::to_string(share) +
+        " times the peak of this processor: the peak (machine.cpp) was measured wrongly");
+  line.add("flop/el", c.operations).add("% of peak", 100 * share);
 }
 
 void measure_force(const ForceCase& c, Index size, const ForceOptions& options, PluginHost& host,

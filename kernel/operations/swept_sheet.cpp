@@ -57,11 +57,11 @@ SweptSheet::SweptSheet(const CellComplex& complex, Attributes& attributes,
       kept_(complex.count(0), no_height),
       stroke_of_(complex.count(0), 0),
       times_divided_(complex.element_count()) {
-  double length = 0;
-  for (std::size_t i = 0; i + 1 < edge.size(); ++i) length += norm(minus(edge[i + 1], edge[i]));
-  if (!(length <= most_points * between_points * size_))
-    throw InputError("the edge of the blade is " + number_text(length) + " m long, " +
-                     number_text(length / size_) + " elements; at most " +
+  double total = 0;
+  for (std::size_t i = 0; i + 1 < edge.size(); ++i) total += norm(minus(edge[i + 1], edge[i]));
+  if (!(total <= most_points * between_points * size_))
+    throw InputError("the edge of the blade is " + number_text(total) + " m long, " +
+                     number_text(total / size_) + " elements; at most " +
                      number_text(most_points * between_points) +
                      " elements are traced: let it end near the body");
   for (std::size_t i = 0; i + 1 < edge.size(); ++i) {

@@ -160,14 +160,13 @@ class SlitEnds {
     std::erase_if(owners_, [&](const Owner& o) { return o.weight < largest_[o.share]; });
     for (Owner& owner : owners_) owner.set = near_sets_.find(owner.set);
     sort_unique(owners_);
-    if (added_sets() > max_added * count_sets()) is_divided_.clear();
+    if (adds_too_many()) is_divided_.clear();
   }
 
   /// The sets of a share: one, or those between which it is divided.
   void list(std::size_t share, std::vector<std::size_t>& result) {
     result.clear();
-    const std::size_t whole = sets_.find(share);
-    if (is_divided_.empty() || !is_divided_[whole]) return result.push_back(whole);
+    if (is_divided_.empty() || !is_divided_[share]) return result.push_back(sets_.find(share));
     const auto first = std::ranges::lower_bound(owners_, share, {}, &Owner::share);
     for (auto owner = first; owner != owners_.end() && owner->share == share; ++owner)
       result.push_back(owner->set);
@@ -185,21 +184,22 @@ class SlitEnds {
   // iterations save.
   static constexpr double max_added = 0.3;
 
-  double count_sets() const {
-    double sets = 0;
-    for (std::size_t share = 0; share < shares_.size(); ++share) sets += sets_.find(share) == share;
-    return sets;
+  bool adds_too_many() const {
+    double sets = 0, divided = 0;
+    for (std::size_t share = 0; share < shares_.size(); ++share)
+      if (sets_.find(share) == share) {
+        ++sets;
+        divided += is_divided_[share];
+      }
+    std::vector<std::size_t> parts;
+    for (const Owner& owner : owners_) parts.push_back(owner.set);
+    sort_unique(parts);
+    return static_cast<double>(parts.size()) - divided > max_added * sets;
   }
-  double added_sets() const {
-    std::vector<std::size_t> sets;
-    for (const Owner& owner : owners_) sets.push_back(owner.set);
-    sort_unique(sets);
-    return static_cast<double>(sets.size()) -
-           static_cast<double>(std::ranges::count(is_divided_, true));
-  }
-  /// Sets with shares of two nodes at the same place.
+  /// Those with shares of two nodes at the same place.
   bool find_sets(const NodeGraph& fine) {
     const std::vector<Index> earlier = earlier_copies(fine);
+    std::vector<bool> is_found(shares_.size());
     bool found = false;
     for (Index node = 0; node < fine.nodes(); ++node)
       for (Index other = earlier[node]; other != none; other = earlier[other]) {
@@ -208,19 +208,21 @@ class SlitEnds {
         for (Index i = 0; i < count; ++i) {
           const std::size_t set = sets_.find(first + i);
           if (set != sets_.find(shares_.begin(other) + i)) continue;
-          is_divided_.resize(shares_.size());
-          is_divided_[set] = found = true;
+          is_found[set] = found = true;
         }
       }
-    return found;
+    if (!found) return false;
+    is_divided_.resize(shares_.size());
+    for (std::size_t share = 0; share < shares_.size(); ++share)
+      is_divided_[share] = is_found[sets_.find(share)];
+    return true;
   }
 
   void add(std::span<const Index> nodes) {
     here_.clear();
     for (const Index node : nodes)
       for (Index share = shares_.begin(node); share < shares_.end(node); ++share)
-        if (const std::size_t set = sets_.find(share); is_divided_[set])
-          here_.push_back({share, set, shares_.weight(share)});
+        if (is_divided_[share]) here_.push_back({share, sets_.find(share), shares_.weight(share)});
     for (const Owner& share : here_) {
       const Owner* near = &share;
       for (const Owner& other : here_)
@@ -243,7 +245,7 @@ class SlitEnds {
   const Shares& shares_;
   DisjointSets& sets_;
   DisjointSets near_sets_;
-  std::vector<bool> is_divided_;  ///< by the first share of a set; empty: none is
+  std::vector<bool> is_divided_;  ///< whether the set of a share is; empty: none is
   std::vector<float> largest_;    ///< per share, the weight of the near one
   std::vector<Owner> owners_;     ///< of the shares in divided sets
   std::vector<Owner> here_;       ///< those shares of the cell at hand, with their old sets

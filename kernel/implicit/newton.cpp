@@ -30,6 +30,8 @@ constexpr double first_forcing = 0.1, least_forcing = 1e-3;
 // The order of convergence that they allow. With 2, systems are solved more accurately than they
 // describe the next state: rotations leave more.
 constexpr double forcing_order = 1.3;
+// The part of the tolerance that the linear solve of the last iteration may leave.
+constexpr double part_of_tolerance = 0.7;
 // What is left for the tolerance, if one iteration may do.
 constexpr double within_reach = 0.01;
 
@@ -357,7 +359,7 @@ bool Newton::is_at_rounding(const StepEquations& equations, double residual) {
 
 /// The tolerance of a linear solve: smaller, the better the last iteration was.
 double Newton::forcing(const Progress& progress) const {
-  const double enough = 0.3 * tolerance_ * scale_ / progress.residual;
+  const double enough = part_of_tolerance * tolerance_ * scale_ / progress.residual;
   if (progress.iterations == 0)
     return enough < within_reach ? first_forcing : std::min(enough, first_forcing);
   const double gain = progress.residual / progress.last;

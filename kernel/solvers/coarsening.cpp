@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
@@ -47,8 +48,7 @@ class Shares {
   std::size_t size() const { return points_.size(); }
   const Point& point(std::size_t share) const { return points_[share]; }
 
-  std::vector<Index> take_begin() { return std::move(begin_); }
-  std::vector<float> take_weights() { return std::move(weights_); }
+  float weight(std::size_t share) const { return weights_[share]; }
 
  private:
   struct Side {
@@ -121,21 +121,159 @@ class CellUnion {
   std::vector<Index> first_;  ///< per point, the first share
 };
 
-/// Numbers the sets of shares by their first share: share -> coarse node. Places are those of the
-/// points.
-std::vector<Index> number(const Shares& shares, DisjointSets& sets, NodeGraph& coarse) {
-  std::vector<Index> nodes(shares.size());
-  for (std::size_t share = 0; share < nodes.size(); ++share) {
-    const std::size_t first = sets.find(share);
-    if (first == share) {
-      nodes[share] = coarse.nodes();
-      const Point& p = shares.point(share);
-      coarse.places.push_back({double(p[0]), double(p[1]), double(p[2])});
-    } else {
-      nodes[share] = nodes[first];
+/// For every node, the last one before it at the same place, or `none`: the other side of a slit.
+std::vector<Index> earlier_copies(const NodeGraph& graph) {
+  std::size_t size = 16;
+  while (size < 2 * graph.places.size()) size *= 2;
+  std::vector<Index> table(size, none), earlier(graph.nodes(), none);
+  for (Index node = 0; node < graph.nodes(); ++node) {
+    const Vec3& place = graph.places[node];
+    std::uint64_t hash = 0;
+    for (const double x : place)
+      hash =
+          (hash ^ static_cast<std::uint64_t>(static_cast<std::int64_t>(x))) * 0x9E3779B97F4A7C15u;
+    std::size_t slot = (hash ^ hash >> 32) % size;
+    while (table[slot] != none && graph.places[table[slot]] != place) slot = (slot + 1) % size;
+    earlier[node] = std::exchange(table[slot], node);
+  }
+  return earlier;
+}
+
+/// Divides the sets of shares in whose support a slit ends, on grids. One function for both sides
+/// would close the slit up to the next coarse node: what holds the sides together would be too
+/// thick on every level.
+///
+///    5 . 5'     Fine nodes; the sides of a slit that ends in 3 are 4, 5 and 4', 5'. The set of the
+///    4 . 4'     coarse node at 4 has the shares of 3, 4, 4', 5, 5' and of those beside them. Each
+///     . 3 .     cell has the near share among them: that of 4, or 4', and that of 3 in the cells
+///     . 2 .     below it. Cells with the same one belong together. A share goes to the cells whose
+///               near share is the largest: the cells at 4 and those at 4' for 3. It is divided
+///               between them, so the old function is the sum of the new ones.
+class SlitEnds {
+ public:
+  SlitEnds(const NodeGraph& fine, const Shares& shares, DisjointSets& sets)
+      : shares_(shares), sets_(sets), near_sets_(0) {
+    if (!fine.is_grid || !find_sets(fine)) return;
+    near_sets_ = DisjointSets(shares.size());
+    largest_.assign(shares.size(), 0);
+    for (std::size_t cell = 0; cell < fine.cells(); ++cell) add(fine.cell(cell));
+    std::erase_if(owners_, [&](const Owner& o) { return o.weight < largest_[o.share]; });
+    for (Owner& owner : owners_) owner.set = near_sets_.find(owner.set);
+    sort_unique(owners_);
+    if (adds_too_many()) is_divided_.clear();
+  }
+
+  /// The sets of a share: one, or those between which it is divided.
+  void list(std::size_t share, std::vector<std::size_t>& result) {
+    result.clear();
+    if (is_divided_.empty() || !is_divided_[share]) return result.push_back(sets_.find(share));
+    const auto first = std::ranges::lower_bound(owners_, share, {}, &Owner::share);
+    for (auto owner = first; owner != owners_.end() && owner->share == share; ++owner)
+      result.push_back(owner->set);
+  }
+
+ private:
+  struct Owner {
+    std::size_t share, set;
+    float weight;  ///< of the near share
+
+    auto operator<=>(const Owner&) const = default;
+  };
+
+  // Bodies that are cut everywhere get so many coarse nodes that cycles take longer than what their
+  // iterations save.
+  static constexpr double max_added = 0.3;
+
+  bool adds_too_many() const {
+    double sets = 0, divided = 0;
+    for (std::size_t share = 0; share < shares_.size(); ++share)
+      if (sets_.find(share) == share) {
+        ++sets;
+        divided += is_divided_[share];
+      }
+    std::vector<std::size_t> parts;
+    for (const Owner& owner : owners_) parts.push_back(owner.set);
+    sort_unique(parts);
+    return static_cast<double>(parts.size()) - divided > max_added * sets;
+  }
+  /// Those with shares of two nodes at the same place.
+  bool find_sets(const NodeGraph& fine) {
+    const std::vector<Index> earlier = earlier_copies(fine);
+    std::vector<bool> is_found(shares_.size());
+    bool found = false;
+    for (Index node = 0; node < fine.nodes(); ++node)
+      for (Index other = earlier[node]; other != none; other = earlier[other]) {
+        const Index first = shares_.begin(node), count = shares_.end(node) - first;
+        if (shares_.end(other) - shares_.begin(other) != count) continue;  // of no cell
+        for (Index i = 0; i < count; ++i) {
+          const std::size_t set = sets_.find(first + i);
+          if (set != sets_.find(shares_.begin(other) + i)) continue;
+          is_found[set] = found = true;
+        }
+      }
+    if (!found) return false;
+    is_divided_.resize(shares_.size());
+    for (std::size_t share = 0; share < shares_.size(); ++share)
+      is_divided_[share] = is_found[sets_.find(share)];
+    return true;
+  }
+
+  void add(std::span<const Index> nodes) {
+    here_.clear();
+    for (const Index node : nodes)
+      for (Index share = shares_.begin(node); share < shares_.end(node); ++share)
+        if (is_divided_[share]) here_.push_back({share, sets_.find(share), shares_.weight(share)});
+    for (const Owner& share : here_) {
+      const Owner* near = &share;
+      for (const Owner& other : here_)
+        if (other.set == share.set && other.weight > near->weight) near = &other;
+      if (near->weight == share.weight) near_sets_.unite(first_near(share), share.share);
+      float& largest = largest_[share.share];
+      largest = std::max(largest, near->weight);
+      owners_.push_back({share.share, near->share, near->weight});
     }
   }
-  return nodes;
+  /// The first share of a cell in the same set and as large.
+  std::size_t first_near(const Owner& share) const {
+    return std::ranges::find_if(here_,
+                                [&](const Owner& other) {
+                                  return other.set == share.set && other.weight == share.weight;
+                                })
+        ->share;
+  }
+
+  const Shares& shares_;
+  DisjointSets& sets_;
+  DisjointSets near_sets_;
+  std::vector<bool> is_divided_;  ///< whether the set of a share is; empty: none is
+  std::vector<float> largest_;    ///< per share, the weight of the near one
+  std::vector<Owner> owners_;     ///< of the shares in divided sets
+  std::vector<Owner> here_;       ///< those shares of the cell at hand, with their old sets
+};
+
+/// Numbers the sets of shares in the order of their shares, as coarse nodes at their points.
+Interpolation number(const NodeGraph& fine, const Shares& shares, SlitEnds& ends,
+                     NodeGraph& coarse) {
+  std::vector<Index> number_of(shares.size(), none);
+  std::vector<std::size_t> sets;
+  Interpolation p;
+  for (Index node = 0; node < fine.nodes(); ++node) {
+    p.begin.push_back(static_cast<Index>(p.node.size()));
+    for (Index share = shares.begin(node); share < shares.end(node); ++share) {
+      ends.list(share, sets);
+      for (const std::size_t set : sets) {
+        if (number_of[set] == none) {
+          number_of[set] = coarse.nodes();
+          const Point& at = shares.point(share);
+          coarse.places.push_back({double(at[0]), double(at[1]), double(at[2])});
+        }
+        p.node.push_back(number_of[set]);
+        p.weight.push_back(shares.weight(share) / static_cast<float>(sets.size()));
+      }
+    }
+  }
+  p.begin.push_back(static_cast<Index>(p.node.size()));
+  return p;
 }
 
 /// Adds the coarse nodes of every fine cell as a cell, each list once.
@@ -193,15 +331,13 @@ Coarsening coarsen(const NodeGraph& fine) {
     coarse.extent[c] = fine.extent[c] / (axes[c] ? 2 : 1);
   }
 
-  Shares shares(fine, axes);
+  const Shares shares(fine, axes);
   DisjointSets sets(shares.size());
   CellUnion cell_union(shares, sets);
   for (std::size_t cell = 0; cell < fine.cells(); ++cell) cell_union.unite(fine.cell(cell));
 
-  Interpolation& p = result.interpolation;
-  p.node = number(shares, sets, coarse);
-  p.begin = shares.take_begin();
-  p.weight = shares.take_weights();
+  SlitEnds ends(fine, shares, sets);
+  const Interpolation& p = result.interpolation = number(fine, shares, ends, coarse);
   CoarseCells cells(coarse);
   for (std::size_t cell = 0; cell < fine.cells(); ++cell) cells.add(fine.cell(cell), p);
   return result;

@@ -9,8 +9,8 @@
 
 namespace suture {
 
-/// The coarse nodes around every fine node, at most 8, and their weights, which add up to 1. None
-/// for a vertex without an element.
+/// The coarse nodes around every fine node and their weights, which add up to 1: at most 8, and
+/// more only at the end of a slit. None for a vertex without an element.
 struct Interpolation {
   std::vector<Index> begin;  ///< per fine node, and the end
   std::vector<Index> node;
@@ -29,7 +29,9 @@ struct Coarsening {
 /// that follows its cells: a coarse node is a point of the grid and one connected component of the
 /// fine nodes in its open support (the 8 boxes around it, without their outer faces). The sides of
 /// a cut belong to different components, so a slit remains a slit on every level (Dick, Georgii,
-/// Burgkart, Westermann, IEEE TVCG 17 (2011) 1663, do so for elements of grids).
+/// Burgkart, Westermann, IEEE TVCG 17 (2011) 1663, do so for elements of grids). Where a slit ends
+/// in the support, the sides hang together around its end. On grids, they are coarse nodes of their
+/// own nevertheless, and share the nodes at the end.
 ///
 /// Coarse nodes are numbered in the order of the fine ones. O(nodes + cells).
 Coarsening coarsen(const NodeGraph& fine);

@@ -69,8 +69,19 @@ double fitted(double extent, double edge) {
   return extent / (std::max(1.0, std::round(cells / unit)) * unit);
 }
 
-bool are_on_grid(const NodeGraph& graph, const Vec3& spacing) {
-  return std::ranges::all_of(graph.cell_nodes, [&](Index node) {
+/// The nodes of cells, once each.
+std::vector<Index> used_nodes(const NodeGraph& graph) {
+  std::vector<bool> is_used(graph.nodes());
+  for (const Index node : graph.cell_nodes) is_used[node] = true;
+  std::vector<Index> used;
+  used.reserve(graph.nodes());
+  for (Index node = 0; node < graph.nodes(); ++node)
+    if (is_used[node]) used.push_back(node);
+  return used;
+}
+
+bool are_on_grid(const NodeGraph& graph, const std::vector<Index>& nodes, const Vec3& spacing) {
+  return std::ranges::all_of(nodes, [&](Index node) {
     for (std::size_t c = 0; c < 3; ++c) {
       const double place = graph.places[node][c] / spacing[c];
       if (!(std::abs(place - std::round(place)) < on_grid)) return false;
@@ -87,7 +98,8 @@ NodeGraph vertex_graph(const CellComplex& complex, Attributes& attributes) {
   graph.places.resize(attributes.vertex_count());
   const double* rest = attributes.rest().rows();
   Bounds bounds;
-  for (const Index v : graph.cell_nodes) {
+  const std::vector<Index> used = used_nodes(graph);
+  for (const Index v : used) {
     const double* p = rest + std::size_t{v} * 4;
     graph.places[v] = {p[0], p[1], p[2]};
     bounds.add(graph.places[v]);
@@ -96,7 +108,7 @@ NodeGraph vertex_graph(const CellComplex& complex, Attributes& attributes) {
     for (std::size_t c = 0; c < 3; ++c) place[c] -= bounds.low[c];
 
   const Vec3 box = box_of(corners_of(graph, 0));
-  graph.is_grid = are_on_grid(graph, box);
+  graph.is_grid = are_on_grid(graph, used, box);
   const double edge = graph.is_grid ? 0 : mean_edge(graph);
   const Vec3 extent = bounds.extent();
   for (std::size_t c = 0; c < 3; ++c)

@@ -111,6 +111,42 @@ TEST(Multigrid, ASlitSeparatesCoarseNodes) {
   EXPECT_EQ(coarsen(vertex_graph(cut.complex(), cut.attributes())).coarse.nodes(), 3u * 2 * 5 + 4);
 }
 
+// The coarse nodes nearest to the end of a slit would otherwise hold its sides together.
+TEST(Multigrid, ASlitThatEndsBetweenCoarseNodesOpensFromItsEnd) {
+  const auto ends_at_3 = [](const Vec3& a, const Vec3& b) {
+    return std::min(a[0], b[0]) < 2 && std::max(a[0], b[0]) > 2 && std::min(a[2], b[2]) > 3;
+  };
+  SolverBody cut(unit_box({4, 2, 8}), {.is_cut = ends_at_3});
+  const NodeGraph vertices = vertex_graph(cut.complex(), cut.attributes());
+  const Coarsening one = coarsen(vertices);
+  // Two nodes more at z = 4, at z = 6 and at z = 8.
+  EXPECT_EQ(one.coarse.nodes(), 3u * 2 * 5 + 6);
+  const Interpolation& p = one.interpolation;
+  const auto is_at = [](const Vec3& place, double x, double z) {
+    return place[0] == x && place[2] == z;
+  };
+  int ends = 0, sides = 0;
+  for (Index v = 0; v < vertices.nodes(); ++v) {
+    float sum = 0;
+    std::vector<float> near_4;  // of the coarse nodes at z = 4, which is 2 there
+    for (Index i = p.begin[v]; i < p.begin[v + 1]; ++i) {
+      sum += p.weight[i];
+      if (is_at(one.coarse.places[p.node[i]], 1, 2)) near_4.push_back(p.weight[i]);
+    }
+    EXPECT_EQ(sum, 1);
+    if (is_at(vertices.places[v], 2, 3) && vertices.places[v][1] == 0) {
+      ++ends;
+      EXPECT_EQ(near_4, std::vector<float>({0.25f, 0.25f}));
+    }
+    if (is_at(vertices.places[v], 2, 4) && vertices.places[v][1] == 0) {
+      ++sides;
+      EXPECT_EQ(near_4, std::vector<float>({1}));
+    }
+  }
+  EXPECT_EQ(ends, 1);
+  EXPECT_EQ(sides, 2);
+}
+
 // With coarse nodes outside the body, nested iteration failed.
 TEST(Multigrid, CoarseGridsFitABodyThatIsNoGrid) {
   for (const Index cells : {8u, 9u, 12u, 16u}) {
@@ -147,6 +183,10 @@ bool comb(const Vec3& a, const Vec3& b) {
   if (slit == std::floor(std::min(a[2], b[2]) / 4)) return false;
   return std::fmod(slit, 2) == 0 ? a[0] < 8 : a[0] > 2;
 }
+/// Slits every 4 elements, which end between coarse nodes of every level.
+bool notches(const Vec3& a, const Vec3& b) {
+  return std::floor(a[2] / 4) != std::floor(b[2] / 4) && std::min(a[1], b[1]) > 5;
+}
 IsCut random_cuts(double part) {
   return [part, random = std::mt19937(1)](const Vec3&, const Vec3&) mutable {
     return std::uniform_real_distribution<double>()(random) < part;
@@ -174,6 +214,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"beam", 15, [] { return unit_box(beam); }},
         Case{"zig_zag", 30, [] { return unit_box(beam); }, {.is_cut = zigzag}},
         Case{"comb", 30, [] { return unit_box(beam); }, {.is_cut = comb}},
+        Case{"notches", 18, [] { return unit_box(beam); }, {.is_cut = notches}},
         Case{"random_cuts", 30, [] { return unit_box(beam); }, {.is_cut = random_cuts(0.1)}},
         Case{"nu_045", 30, [] { return unit_box(beam); }, {.nu = 0.45}},
         Case{"nu_049", 50, [] { return unit_box(beam); }, {.nu = 0.49}},
@@ -270,7 +311,7 @@ TEST(Multigrid, BuiltAgainFromTheSameMatrixItIsTheSame) {
 
 /// Where coarsening ends depends on the matrix of the first build: a run that is resumed knows.
 TEST(Multigrid, OfAKnownNumberOfLevelsItIsTheSame) {
-  SolverBody body(unit_box(beam), {.is_cut = comb});
+  SolverBody body(unit_box(beam), {.is_cut = comb, .nu = 0.49});
   const auto old = make_multigrid(body.complex(), body.attributes());
   EXPECT_EQ(old->levels(), 0u);
   old->build(body.matrix());

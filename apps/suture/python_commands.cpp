@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -36,16 +35,11 @@ fs::path python_folder() {
                 "python3-numpy and pybind11-dev");
 }
 
-void prepend_python_path(const fs::path& folder) {
-  const char* others = std::getenv("PYTHONPATH");
-  const std::string path = folder.string() + (others != nullptr ? ":" + std::string(others) : "");
-  ::setenv("PYTHONPATH", path.c_str(), 1);
-}
-
-/// Becomes `python3 -m MODULE ARGUMENTS...`.
+/// Becomes Python that runs a module of the package. `python3 -m` would look for every module in
+/// the working folder first.
 int become_python(const std::string& module, const std::vector<std::string>& arguments) {
-  prepend_python_path(python_folder());
-  std::vector<std::string> words{SUTURE_PYTHON, "-m", module};
+  const fs::path start = python_folder() / "suture" / "_start.py";
+  std::vector<std::string> words{SUTURE_PYTHON, start.string(), module};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());

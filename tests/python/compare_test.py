@@ -63,6 +63,19 @@ class Compare(unittest.TestCase):
         self.assertRegex(beyond.stdout, "beyond 0.005: .*displacement \\(frames\\)")
         self.assertEqual(subprocess.run([*program, "-1"], capture_output=True).returncode, 2)
 
+    def test_files_of_the_working_folder_are_not_imported(self):
+        one = run(self.folder / "1")
+        for name in "json", "numpy", "suture":
+            (self.folder / f"{name}.py").write_text("raise ImportError('a file of the user')")
+
+        def program(*words):
+            return subprocess.run([os.environ["SUTURE_PROGRAM"], *words], cwd=self.folder,
+                                  capture_output=True, text=True)
+
+        same = program("compare", one, one)
+        self.assertEqual(same.returncode, 0, same.stderr)
+        self.assertRegex(program("fit", "nowhere.json").stderr, "nowhere.json: No such file")
+
     def test_a_run_equals_itself_and_twice_the_load_moves_it_twice_as_far(self):
         one, two = run(self.folder / "1"), run(self.folder / "2", -2.0)
         rows, lonely, _ = _compare.compare_frames(one, one)

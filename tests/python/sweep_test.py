@@ -253,6 +253,7 @@ class CommandLine(InFolder):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertFalse(os.path.exists("out"))
         self.assertIn("--array=0-1", Path("job.sh").read_text())
+        Path("json.py").write_text("raise ImportError('a file of the working folder')")
         for number in "01":
             environment = {**os.environ, "SLURM_ARRAY_TASK_ID": number}
             subprocess.run(["bash", "job.sh"], check=True, env=environment)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Differences between runs, field by field and time by time.
 
-    python3 -m suture._compare A B [C] [--common] [--tolerance T]   what `suture compare` executes
+    python3 _start.py suture._compare A B [C] [--common] [--tolerance T]   what `suture compare` executes
 """
 
 import argparse

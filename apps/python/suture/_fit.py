@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fits parameters of a scene to measured data.
 
-    python3 -m suture._fit STUDY.json [--jobs N]      what `suture fit` executes
+    python3 _start.py suture._fit STUDY.json [--jobs N]      what `suture fit` executes
 """
 
 import argparse

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Results in one picture: of a run, of several runs, or of a study.
 
-    python3 -m suture._plot WHAT ... [--output FILE] [--only TEXT ...]   what `suture plot` executes
+    python3 _start.py suture._plot WHAT ... [--output FILE] [--only TEXT ...]   what `suture plot` executes
 """
 
 import argparse

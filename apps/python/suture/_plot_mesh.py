@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A mesh with its named sets, from both sides, with numbered axes.
 
-    python3 -m suture._plot_mesh FRAME TITLE PICTURE      what `suture plot MESH` executes
+    python3 _start.py suture._plot_mesh FRAME TITLE PICTURE      what `suture plot MESH` executes
 
 The frame has the boundary of the mesh and the obstacles of the scene. Its fields of points are 1 in
 a set: faces in a set ("set x0") are coloured, the points of a selection of the scene ("at

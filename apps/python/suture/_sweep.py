@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Studies: many runs of one scene with other values, one process per run.
 
-    python3 -m suture._sweep STUDY.json      what `suture sweep` executes
+    python3 _start.py suture._sweep STUDY.json      what `suture sweep` executes
 """
 
 import argparse
@@ -374,7 +374,8 @@ def _arguments(words):
 
 
 def _write_job(options, count, file):
-    command = f"{sys.executable} -m suture._sweep {Path(options.study).resolve()}"
+    start = Path(__file__).with_name("_start.py")
+    command = f"{sys.executable} {start} suture._sweep {Path(options.study).resolve()}"
     path = os.environ.get("PYTHONPATH")
     if path:
         command = f"env PYTHONPATH={path} {command}"

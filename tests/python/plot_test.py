@@ -137,6 +137,7 @@ class Meshes(unittest.TestCase):
             stub.mkdir(parents=True)
             (self.folder / "bin").mkdir()
             shutil.copy(program, self.folder / "bin")
+            shutil.copy(Path(_frames.__file__).with_name("_start.py"), stub)
             for name in ("__init__.py", "_suture.py"):
                 (stub / name).touch()
             (stub / "_plot_mesh.py").write_text(

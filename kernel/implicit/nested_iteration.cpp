@@ -19,9 +19,8 @@
 // every level. The systems P^T A P q = P^T r are solved to a tenth by conjugate gradients. Their
 // products use the matrix-free tangent of the body in single precision. The preconditioner is the
 // V-cycle from that level. Its operators come from a sample of the cells
-// (solvers/cell_sample.hpp): one hexahedron, or four springs, in each octant around a coarse node.
-// On level 2 the sample is an eighth of the cells, on level 3 a 64th. Operators are computed in
-// every second iteration.
+// (solvers/cell_sample.hpp), an eighth of them on level 2, a 16th on level 3. Operators are
+// computed in every second iteration, and after a system that was not solved.
 
 namespace suture {
 namespace {
@@ -75,11 +74,14 @@ bool Newton::solve_on_level(const StepEquations& equations, CoarseSystem& system
   std::vector<double> right = system.restrict(residual_);
   const double first = norm(right);
   double residual = first;
+  bool is_worn = false;  // the preconditioner
   for (unsigned i = 0; residual > reduction * first; ++i) {
     if (i == max_iterations) return false;
+    const bool builds = is_worn || i % iterations_per_build == 0;
     try {
-      if (i % iterations_per_build == 0) system.build(solver_.matrix());
-      system.solve(solver_.matrix(), right, direction_);
+      if (builds) system.build(solver_.matrix());
+      is_worn = system.solve(solver_.matrix(), right, direction_) == LinearSolve::Outcome::too_many;
+      if (is_worn && builds) return false;
     } catch (const NumericalError&) {
       return false;
     }

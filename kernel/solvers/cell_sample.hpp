@@ -8,14 +8,14 @@
 
 namespace suture {
 
-/// Some cells of a body that stand for all of them in the operator of a coarse level, as the points
-/// of a quadrature do. A cell belongs to the coarse node with the largest share of its vertices,
-/// and to the octant around that node in which its middle is. In each octant, the sample has the
-/// hexahedron next to a point of Gauss' rule (two points along each axis of a coarse cell), or
-/// several smaller cells: together as many nodes, at scattered places. The weight of a cell is the
-/// number of those that it stands for.
+/// Some cells of a body that stand for all of them in the operator of a coarse level. A cell
+/// belongs to the coarse node with the largest share of its vertices, and to the octant around that
+/// node in which its middle is. Of each octant, the sample has an eighth of the hexahedra, one to
+/// four, or of smaller cells so many that they have eight nodes, at scattered places. The weight of
+/// a cell is the number of those that it stands for. All cells around a coarse node join the sample
+/// where those that were chosen hardly depend on it, as beside vertices that are held.
 ///
-/// The sample follows cuts as the coarse nodes do, and depends on the cells alone.
+/// The sample follows cuts as the coarse nodes do. It depends on the cells and on what is free.
 class CellSample {
  public:
   /// `p`: from the coarse level to the vertices; `places`: of the coarse nodes, in multiples of
@@ -31,7 +31,10 @@ class CellSample {
 
  private:
   struct Places;
-  void choose(const Places& cells, std::size_t functor);
+  std::vector<bool> missed_nodes(const TangentMatrix& a, const Interpolation& p,
+                                 const Places& cells) const;
+  void choose(const Places& cells, const std::vector<bool>& own);
+  void choose(const Places& cells, std::size_t functor, const std::vector<bool>& own);
 
   std::vector<bool> is_chosen_;  ///< per cell, in the order of for_some_cells()
   std::vector<float> weights_;   ///< of the chosen ones

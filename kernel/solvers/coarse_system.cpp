@@ -102,8 +102,8 @@ void CoarseSystem::restrict_image(float* result) const {
   hold(levels_[level_], result);
 }
 
-bool CoarseSystem::solve(const TangentMatrix& a, std::span<const double> right,
-                         std::span<double> d) const {
+LinearSolve::Outcome CoarseSystem::solve(const TangentMatrix& a, std::span<const double> right,
+                                         std::span<double> d) const {
   SingleVector r = single_vector(nodes()), q;
   const double scale = to_single(right.data(), r);
   const auto multiply = [&](const float* x, float* y) {
@@ -111,11 +111,11 @@ bool CoarseSystem::solve(const TangentMatrix& a, std::span<const double> right,
     a.apply(scratch_[0].data(), image_.data());
     restrict_image(y);
   };
-  const bool converged = solve_on_level(levels_, VCycle(levels_, coarsest_, smoothing), level_,
-                                        multiply, std::move(r), tolerance, max_iterations, q);
+  const auto outcome = solve_on_level(levels_, VCycle(levels_, coarsest_, smoothing), level_,
+                                      multiply, std::move(r), tolerance, max_iterations, q);
   prolong(q.data());
   to_double(scratch_[0], scale, d.data());
-  return converged;
+  return outcome;
 }
 
 }  // namespace suture

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "kernel/solvers/cell_sample.hpp"
+#include "kernel/solvers/conjugate_gradients.hpp"
 #include "kernel/solvers/multigrid_levels.hpp"
 #include "kernel/solvers/preconditioner.hpp"
 
@@ -25,9 +26,10 @@ class CoarseSystem {
   void build(const TangentMatrix& a);
   /// P^T r.
   std::vector<double> restrict(std::span<const double> r) const;
-  /// Solves for the right-hand side P^T r to a tenth of it. False if that fails; d is a descent
-  /// direction nevertheless. Throws the errors of terms.
-  bool solve(const TangentMatrix& a, std::span<const double> right, std::span<double> d) const;
+  /// Solves for the right-hand side P^T r to a tenth of it; if that fails, d is a descent direction
+  /// nevertheless. Throws the errors of terms.
+  LinearSolve::Outcome solve(const TangentMatrix& a, std::span<const double> right,
+                             std::span<double> d) const;
 
   std::size_t nodes() const { return levels_[level_].nodes(); }
 

@@ -4,16 +4,17 @@
 #include <utility>
 
 namespace suture {
-bool solve_on_level(MultigridLevels& levels, const VCycle& cycle, std::size_t l,
-                    const SingleProduct& multiply, SingleVector r, double tolerance,
-                    unsigned max_iterations, SingleVector& x) {
+LinearSolve::Outcome solve_on_level(MultigridLevels& levels, const VCycle& cycle, std::size_t l,
+                                    const SingleProduct& multiply, SingleVector r, double tolerance,
+                                    unsigned max_iterations, SingleVector& x) {
+  using enum LinearSolve::Outcome;
   MultigridLevel& level = levels[l];
   SingleVector d = single_vector(level.nodes()), q = d;
   x = d;
   const double target = tolerance * tolerance * dot(r, r);
   double rz = 0;
   for (unsigned i = 0; dot(r, r) > target; ++i) {
-    if (i == max_iterations) return false;
+    if (i == max_iterations) return too_many;
     level.r = r;
     cycle.run(l);
     const double last = std::exchange(rz, dot(r, level.x));
@@ -23,7 +24,7 @@ bool solve_on_level(MultigridLevels& levels, const VCycle& cycle, std::size_t l,
     const double curvature = dot(d, q);
     if (!(curvature > 0)) {
       if (i == 0) x = d;
-      return false;
+      return indefinite;
     }
     const auto step = static_cast<float>(rz / curvature);
     for (std::size_t k = 0; k < r.size(); ++k) {
@@ -31,7 +32,7 @@ bool solve_on_level(MultigridLevels& levels, const VCycle& cycle, std::size_t l,
       r[k] -= step * q[k];
     }
   }
-  return true;
+  return converged;
 }
 
 }  // namespace suture

@@ -27,8 +27,9 @@ struct NodeGraph {
 };
 
 /// The vertices and elements of a body at rest. If all vertices are points of one grid of boxes (a
-/// box, voxels, both after cuts), `spacing` is that of the grid; otherwise it is near the edge of
-/// the cube with the mean volume of an element, and a whole part of the extent. O(elements).
+/// box, voxels, both after cuts), `spacing` is that of the grid. Otherwise it is a whole part of
+/// the extent, about a quarter more than the edge of the cube with the mean volume of an element.
+/// O(elements).
 NodeGraph vertex_graph(const CellComplex& complex, Attributes& attributes);
 
 }  // namespace suture

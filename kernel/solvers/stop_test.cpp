@@ -24,7 +24,7 @@ SingleVector load_of(const MultigridLevel& level) {
 bool StopTest::converges(std::size_t l) const {
   SingleVector x;
   return solve_on_level(levels_, cycle_, l, levels_[l].multiply, load_of(levels_[l]),
-                        test_tolerance, test_iterations, x);
+                        test_tolerance, test_iterations, x) == LinearSolve::Outcome::converged;
 }
 
 /// False if it is not affordable; then the coarsest level keeps its factor.

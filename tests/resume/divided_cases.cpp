@@ -128,7 +128,8 @@ Case divided(Random& random, unsigned index) {
   if (random.chance(0.3)) scene["contact"] = contact(random, end);
   result.skips = random.chance(0.7);
   add_output(scene, random);
-  scene["checkpoint"] = {{"every_steps", static_cast<int>(random.between(10, 60))}, {"keep", 3}};
+  if (random.chance(0.8))
+    scene["checkpoint"] = {{"every_steps", static_cast<int>(random.between(10, 60))}, {"keep", 3}};
   return result;
 }
 

@@ -202,7 +202,8 @@ void Attributes::kernel_tables(Archive& archive) {
 /// Each of several processes goes back to the rows that it knows.
 void Attributes::motion(Archive& archive) {
   const PartialRows::Range all{0, position_->size()};
-  std::span<const PartialRows::Range> rows = partial_rows_.known();
+  std::span<const PartialRows::Range> rows;
+  if (!archive.has_cells()) rows = partial_rows_.known();  // on all processes
   bool is_whole = archive.has_cells() || partial_rows_.keeps_all || rows.empty();
   if (!archive.has_cells()) archive("is whole", is_whole);
   if (is_whole) rows = {&all, 1};

@@ -56,8 +56,8 @@ void Body::share(std::unique_ptr<BodyShare> share) {
            },
        .known =
            [this] {
-             return models_->knows_share() ? share_->known()
-                                           : std::span<const PartialRows::Range>();
+             if (!models_->knows_share()) models_->find_share();
+             return share_->known();
            }});
   for_each_with<SharedTerm>(terms_, [&](SharedTerm& term) { term.divide_sums(*share_); });
 }

@@ -33,7 +33,7 @@ Layout layout_of(const Column& column) {
 
 /// What an array refers to once its column has moved on.
 struct Views::Memory {
-  AlignedVector<double> kept;
+  Column::Values kept;
 };
 
 Views::Views(Body& body) { body.add_follower(*this); }

@@ -216,8 +216,7 @@ int run(const RunCommand& command, Console& console) {
           "it): its results are incomplete");
   }
   Simulation simulation(scene, host, console.diagnostics(), command.skip, folder,
-                        command.check_plugins);
-  if (processes) simulation.share(*processes);
+                        command.check_plugins, processes);
   report_threads(wanted_threads, simulation.threads(), console);
   const std::uint64_t earlier_steps = checkpoint ? checkpoint->header.step : 0;
   if (checkpoint) {

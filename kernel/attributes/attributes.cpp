@@ -189,6 +189,20 @@ void Attributes::initialise(const CellComplex& complex, Diagnostics& diagnostics
     inspect(*instance, rest_places(complex), *mass_, user_element, diagnostics);
 }
 
+namespace {
+
+/// What Column::compress() would leave, without memory for all elements. False if there is no
+/// value of all.
+bool fill_uniform(Column& column, std::span<const double> values) {
+  if (values.empty() || column.has_trial()) return false;
+  std::vector<double> block;
+  for (const double value : values) block.insert(block.end(), Column::lanes, value);
+  column.fill(block);
+  return true;
+}
+
+}  // namespace
+
 /// One attribute over all elements; the share of the mass is added.
 void Attributes::sum(Instance& instance, std::uint32_t number, const CellComplex& complex,
                      RestBatch& rest, std::span<const double> uniform) {
@@ -199,9 +213,14 @@ void Attributes::sum(Instance& instance, std::uint32_t number, const CellComplex
   const CellSet& cells = own ? instance.table(dimension).cells : kernel(0).cells;
   if (own && instance.skips() && fill_from_parameters(instance, attribute, complex, rest, column))
     return;
+  const bool of_shape = dimension == 3 && (attribute.flags & SUTURE_FROM_PARAMETERS) == 0;
+  if (of_shape && own && instance.skips() && cells.is_all() &&
+      complex.existing(3) == complex.element_count() &&
+      fill_uniform(column,
+                   uniform_contribution(instance, attribute, complex, rest, volume_tolerance)))
+    return;
   if (own) column.fill(0);
   sum_contributions(instance, attribute, complex, rest, cells, column, uniform);
-  const bool of_shape = dimension == 3 && (attribute.flags & SUTURE_FROM_PARAMETERS) == 0;
   if (own && instance.skips()) column.compress(of_shape ? volume_tolerance : 0);
 }
 

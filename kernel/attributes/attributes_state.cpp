@@ -19,21 +19,21 @@ inline void copy_three(const double* from, double* to) {
 }
 
 /// Rows of `columns` (4 doubles each, of which 3 count) side by side, in parts that stay in the
-/// cache: a copy of all would cost more than the state itself.
+/// cache: a copy of all would cost more than the state itself. `ranges`: of rows, ascending.
 template <std::size_t n>
-void pack_rows(Archive& archive, const char* name, const std::array<Column*, n>& columns) {
+void pack_rows(Archive& archive, const char* name, const std::array<Column*, n>& columns,
+               std::span<const PartialRows::Range> ranges) {
   const Index rows = columns[0]->size(), part = archive.has_cells() ? 1 << 14 : 1 << 11;
   std::vector<std::array<double, 3 * n>> packed;
-  const auto pack = [&](Index first) {
-    packed.resize(std::min(part, rows - first));
+  const auto pack = [&](Index first, Index end) {
+    packed.resize(std::min(part, end - first));
     for (std::size_t i = 0; i < n; ++i) {
       const double* row = columns[i]->rows() + std::size_t{first} * 4;
       for (auto& each : packed) copy_three(std::exchange(row, row + 4), each.data() + 3 * i);
     }
   };
-  const auto unpack = [&](Index first) {
-    archive.require(packed.size() == std::min(part, rows - first),
-                    "the number of vertices differs");
+  const auto unpack = [&](Index first, Index end) {
+    archive.require(packed.size() == std::min(part, end - first), "the number of vertices differs");
     for (std::size_t i = 0; i < n; ++i) {
       double* row = columns[i]->rows() + std::size_t{first} * 4;
       for (const auto& each : packed) copy_three(each.data() + 3 * i, std::exchange(row, row + 4));
@@ -43,11 +43,13 @@ void pack_rows(Archive& archive, const char* name, const std::array<Column*, n>&
     Index count = rows;
     archive("rows", count);
     archive.require(count == rows, "the number of vertices differs");
-    for (Index first = 0; first < rows; first += part) {
-      if (!archive.loads()) pack(first);
-      archive(std::to_string(first / part).c_str(), packed);
-      if (archive.loads()) unpack(first);
-    }
+    unsigned number = 0;
+    for (auto [first, end] : ranges)
+      for (; first < end; first += std::min(part, end - first)) {
+        if (!archive.loads()) pack(first, end);
+        archive(std::to_string(number++).c_str(), packed);
+        if (archive.loads()) unpack(first, end);
+      }
   });
 }
 
@@ -149,7 +151,12 @@ void Attributes::parameters(Archive& archive, const CellComplex& complex) {
 
 void Attributes::state(Archive& archive) {
   if (archive.has_cells()) {
-    complete_rows();
+    if (archive.loads()) {
+      complete_rows();
+    } else {
+      gather_motion();
+      gather_forces();
+    }
     const bool opens_lips =  // when it is built
         std::ranges::any_of(instances_, [](const auto& i) { return !i->lips.empty(); });
     const bool is_fresh = operations_ == (opens_lips ? 1 : 0);
@@ -165,6 +172,13 @@ void Attributes::state(Archive& archive) {
     state_of(a, *instance, parts_, a.has_cells() && operations_ != 0);
   });
 }
+
+void Attributes::gather_motion() {
+  partial_rows_.gather(PartialRows::position, *position_);
+  partial_rows_.gather(PartialRows::velocity, *velocity_);
+}
+
+void Attributes::gather_forces() { partial_rows_.gather(PartialRows::force, *force_); }
 
 /// Operations change the others of the kernel's columns only.
 void Attributes::kernel_tables(Archive& archive) {
@@ -185,8 +199,15 @@ void Attributes::kernel_tables(Archive& archive) {
   if (parts_.may_grow()) archive("parts", parts_);
 }
 
+/// Each of several processes goes back to the rows that it knows.
 void Attributes::motion(Archive& archive) {
-  pack_rows<2>(archive, "motion", {position_, velocity_});
+  const PartialRows::Range all{0, position_->size()};
+  std::span<const PartialRows::Range> rows;
+  if (!archive.has_cells()) rows = partial_rows_.known();  // on all processes
+  bool is_whole = archive.has_cells() || partial_rows_.keeps_all || rows.empty();
+  if (!archive.has_cells()) archive("is whole", is_whole);
+  if (is_whole) rows = {&all, 1};
+  pack_rows<2>(archive, "motion", {position_, velocity_}, rows);
   for (const VertexField& field : fields_) {
     archive(("field " + field.name).c_str(), *field.values);
     archive.require(field.values->size() == kernel(0).cells.size(),
@@ -200,8 +221,9 @@ void Attributes::forces(Archive& archive) {
   bool any = std::ranges::any_of(
       rows, [](double value) { return std::bit_cast<std::uint64_t>(value) != 0; });
   archive("has_forces", any);
+  const PartialRows::Range all{0, force_->size()};
   if (any)
-    pack_rows<1>(archive, "forces", {force_});
+    pack_rows<1>(archive, "forces", {force_}, {&all, 1});
   else if (archive.loads())
     std::ranges::fill(rows, 0);
 }

@@ -2,7 +2,9 @@
 #include "kernel/attributes/column.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "kernel/base/archive.hpp"
@@ -38,7 +40,7 @@ std::size_t Column::storage(Index rows) const {
 
 namespace {
 
-void reserve(AlignedVector<double>& data, std::size_t numbers, const std::string& name) {
+void reserve(Column::Values& data, std::size_t numbers, const std::string& name) {
   try {
     data.reserve(numbers);
   } catch (const std::bad_alloc&) {
@@ -48,7 +50,7 @@ void reserve(AlignedVector<double>& data, std::size_t numbers, const std::string
 
 }  // namespace
 
-void Column::grow(AlignedVector<double>& data, Index rows) const {
+void Column::grow(Values& data, Index rows) const {
   const std::size_t needed = storage(rows);
   // A cut adds rows a few at a time; copying a column of a million rows for the
   // first of them would cost more than the cut.
@@ -58,7 +60,12 @@ void Column::grow(AlignedVector<double>& data, Index rows) const {
     prefer_large_pages(data.data(), needed * sizeof(double));
     prefer_large_pages(data.data() + needed, needed * sizeof(double));
   }
-  data.resize(needed, spec_.initial);
+  if (needed < data.size()) std::fill(data.begin() + std::ptrdiff_t(needed), data.end(), 0.0);
+  // Rows of zeros take no memory until they are written.
+  if (std::bit_cast<std::uint64_t>(spec_.initial) == 0)
+    data.resize(needed);
+  else
+    data.resize(needed, spec_.initial);
   if (dimension_ == 0) {
     const bool has_unused = spec_.components == 3 && spec_.initial != 0;
     for (std::size_t i = offset(size_) + 3; has_unused && i < needed; i += 4) data[i] = 0;
@@ -106,7 +113,7 @@ void Column::append_copies(std::span<const RowSplit> splits) {
   pad();
 }
 
-void Column::copy_rows(AlignedVector<double>& data, std::span<const RowSplit> splits) const {
+void Column::copy_rows(Values& data, std::span<const RowSplit> splits) const {
   double* values = data.data();
   if (dimension_ == 0 && stride_ == 4) {
     for (const auto& [from, to] : splits) {
@@ -154,8 +161,8 @@ void Column::add_row(Index to, Index from) {
   if (to + 1 == size_) pad();
 }
 
-AlignedVector<double> Column::hand_over() {
-  AlignedVector<double> copy;
+Column::Values Column::hand_over() {
+  Values copy;
   copy.reserve(data_.capacity());  // what is reserved for cuts
   copy = data_;
   return std::exchange(data_, std::move(copy));
@@ -169,7 +176,7 @@ void Column::hold_row(Index row) {
 void Column::fill(double value) {
   constant_ = dimension_ != 0 && !has_trial();
   if (constant_) {
-    AlignedVector<double>(storage(1), value).swap(data_);
+    Values(storage(1), value).swap(data_);
     return;
   }
   for (Index row = 0; row < size_; ++row)
@@ -178,7 +185,7 @@ void Column::fill(double value) {
 }
 
 void Column::fill(std::span<const double> block) {
-  AlignedVector<double>(block.begin(), block.end()).swap(data_);
+  Values(block.begin(), block.end()).swap(data_);
   constant_ = true;
 }
 
@@ -189,7 +196,7 @@ double* Column::block(Index b) {
 
 void Column::expand() {
   if (!constant_) return;
-  const AlignedVector<double> one = data_;
+  const Values one = data_;
   reserve(data_, 2 * storage(size_), spec_.name);
   data_.resize(storage(size_));
   for (std::size_t at = 0; at < data_.size(); at += one.size())
@@ -203,7 +210,7 @@ void Column::pad() {
   if (has_trial()) pad(trial_);
 }
 
-void Column::pad(AlignedVector<double>& data) const {
+void Column::pad(Values& data) const {
   for (int c = 0; c < spec_.components; ++c) {
     double* lane = data.data() + block_offset(size_ / lanes) + c * static_cast<int>(lanes);
     std::fill(lane + size_ % lanes, lane + lanes, lane[size_ % lanes - 1]);
@@ -220,7 +227,7 @@ bool Column::compress(double relative) {
       const double first = data_[i / lanes * lanes];
       if (!(std::abs(data_[at + i] - first) <= relative * largest)) return false;
     }
-  AlignedVector<double> one(length);
+  Values one(length);
   for (std::size_t i = 0; i < length; ++i) one[i] = data_[i / lanes * lanes];
   data_.swap(one);
   constant_ = true;
@@ -237,7 +244,7 @@ void Column::state(Archive& archive) {
     if (archive.loads()) {
       archive.require(constant == constant_, "only one of the two columns is constant");
       // Room for `rows` only if there are values for all of them: a damaged number may be anything.
-      AlignedVector<double> values;
+      Values values;
       archive("values", values);
       archive.require(values.size() == storage(constant ? 1 : rows),
                       "the column has a different number of rows");

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "kernel/base/aligned.hpp"
 #include "kernel/base/types.hpp"
+#include "kernel/base/zeroed_vector.hpp"
 #include "suture/plugin.h"
 
 namespace suture {
@@ -53,6 +53,7 @@ ColumnSpec spec_of(const suture_attribute& attribute);
 class Column {
  public:
   static constexpr Index lanes = SUTURE_LANES;
+  using Values = ZeroedVector<double>;
 
   Column(ColumnSpec spec, int dimension);
 
@@ -117,7 +118,7 @@ class Column {
   void state(Archive& archive);
   /// Returns the memory of the values and continues on a copy of it: pointers into it stay valid as
   /// long as the caller keeps it, and show the values of now.
-  AlignedVector<double> hand_over();
+  Values hand_over();
   /// Sets the trial copy of a row that will not be visited for a while: the row keeps its
   /// values through all steps that are accepted meanwhile.
   void hold_row(Index row);
@@ -130,16 +131,16 @@ class Column {
     return (constant_ ? 0 : offset(row)) + static_cast<std::size_t>(component) * component_step();
   }
   std::size_t storage(Index rows) const;
-  void grow(AlignedVector<double>& data, Index rows) const;
-  void pad(AlignedVector<double>& data) const;
-  void copy_rows(AlignedVector<double>& data, std::span<const RowSplit> splits) const;
+  void grow(Values& data, Index rows) const;
+  void pad(Values& data) const;
+  void copy_rows(Values& data, std::span<const RowSplit> splits) const;
 
   ColumnSpec spec_;
   int dimension_;
   int stride_;
   Index size_ = 0;
   bool constant_;
-  AlignedVector<double> data_, trial_;
+  Values data_, trial_;
 };
 
 }  // namespace suture

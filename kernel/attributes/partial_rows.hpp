@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <utility>
 
 #include "kernel/attributes/column.hpp"
@@ -18,23 +20,39 @@ class PartialRows {
   enum Of : unsigned { position, velocity, force };
   /// Each includes those before it.
   enum class Extent : unsigned char { own, at_cells, all };
-  using Complete = std::function<void(double* rows)>;
+  using Range = std::pair<Index, Index>;  ///< rows first .. end-1
+  struct Others {
+    using Exchange = std::function<void(double* rows)>;
+    /// Fill in the rows of other processes: all of them, those at cells, and all on process 0.
+    Exchange complete, complete_at_cells, gather;
+    /// What this process steps and reads in steps, ascending; none while that is not known.
+    std::function<std::span<const Range>()> known;
+  };
+  void share_with(Others others) { others_ = std::move(others); }
 
-  /// Functions that fill in rows of the other processes: all, and those at cells.
-  void complete_by(Complete all, Complete at_cells) {
-    complete_ = std::move(all);
-    complete_at_cells_ = std::move(at_cells);
+  /// Empty: all.
+  std::span<const Range> known() const {
+    return others_.known ? others_.known() : std::span<const Range>();
   }
+  bool keeps_all = false;  ///< states for a rollback have all rows: they go into checkpoints
   void set(Of which, bool partial) { has_[which] = partial ? Extent::own : Extent::all; }
   bool is_partial(Of which) const { return has_[which] != Extent::all; }
 
   Column& whole(Of which, Column& column) {
     if (has_[which] < needed_) {
       has_[which] = needed_;
-      (needed_ == Extent::all ? complete_ : complete_at_cells_)(column.rows());
+      requests_ += needed_ == Extent::all ? 1 : 0;
+      (needed_ == Extent::all ? others_.complete : others_.complete_at_cells)(column.rows());
     }
     return column;
   }
+  /// Process 0 gets all rows of the column as it is, for files that it writes.
+  void gather(Of which, Column& column) {
+    if (has_[which] == Extent::all) return;
+    ++requests_;
+    others_.gather(column.rows());
+  }
+  std::uint64_t requests() const { return requests_; }  ///< for all rows of a column, so far
 
   /// During its life, whoever asks for a column gets these rows.
   class Enough {
@@ -58,7 +76,8 @@ class PartialRows {
  private:
   std::array<Extent, 3> has_{Extent::all, Extent::all, Extent::all};
   Extent needed_ = Extent::all;
-  Complete complete_, complete_at_cells_;
+  std::uint64_t requests_ = 0;
+  Others others_;
 };
 
 }  // namespace suture

@@ -138,6 +138,9 @@ void TreeReader::leave() {
   names_.pop_back();
 }
 
+void DroppingWriter::refuse(const std::string& why) const { throw std::logic_error(why); }
+const void* DroppingWriter::read(const char*, Shape&) { wrong_way(); }
+
 // ------------------------------------------------------------------ buffers --
 
 void StateBuffer::Writer::refuse(const std::string& why) const { throw std::logic_error(why); }

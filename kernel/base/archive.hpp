@@ -297,6 +297,20 @@ class TreeReader : public Archive {
   std::vector<std::string> names_;
 };
 
+/// Drops everything: for a process that takes part in saving a complete state, which another one
+/// writes.
+class DroppingWriter : public Archive {
+ public:
+  DroppingWriter() : Archive(Extent::everything, Direction::save) {}
+  [[noreturn]] void refuse(const std::string& why) const override;
+
+ private:
+  void write(const char*, const Shape&, const void*) override {}
+  const void* read(const char* name, Shape& shape) override;
+  void enter(const char*) override {}
+  void leave() override {}
+};
+
 /// A state for a rollback within a run: what steps change, without names, in reused memory.
 class StateBuffer {
  public:

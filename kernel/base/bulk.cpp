@@ -3,11 +3,13 @@
 
 #include <malloc.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <mutex>
 #include <span>
 #include <utility>
@@ -119,6 +121,39 @@ void release_bulk(void* block) noexcept {
 }
 
 void release_spare_bulk() noexcept { spare_blocks().release(); }
+
+namespace {
+
+/// malloc may have used its memory for smaller blocks before, and would have to clear it.
+bool is_mapped(std::size_t bytes) { return bytes >= large_page / 2; }
+
+constexpr std::align_val_t zeroed_alignment{64};
+
+}  // namespace
+
+void* allocate_zeroed(std::size_t bytes) {
+  if (!is_mapped(bytes)) return std::memset(::operator new(bytes, zeroed_alignment), 0, bytes);
+  void* const memory =
+      mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  return memory;
+}
+
+void release_zeroed(void* block, std::size_t bytes) noexcept {
+  if (is_mapped(bytes))
+    munmap(block, bytes);
+  else
+    ::operator delete(block, zeroed_alignment);
+}
+
+void release_pages(void* begin, std::size_t bytes) noexcept {
+  const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  const auto from = reinterpret_cast<std::uintptr_t>(begin), to = from + bytes;
+  const std::uintptr_t first = (from + page - 1) / page * page, last = to / page * page;
+  // Where the system refuses, as for locked pages, they are cleared like the others.
+  if (first < last && madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED) != 0)
+    std::memset(reinterpret_cast<void*>(first), 0, last - first);
+}
 
 void touch_pages(void* begin, std::size_t bytes) noexcept {
   constexpr std::size_t page = 4096;

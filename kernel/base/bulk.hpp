@@ -27,6 +27,14 @@ void release_bulk(void* block) noexcept;
 /// Returns what is kept to malloc. A failing allocate_bulk() does so, too.
 void release_spare_bulk() noexcept;
 
+/// 64-byte aligned memory that is 0. Where it is large, its pages take memory when they are
+/// written. To be released with the same size.
+void* allocate_zeroed(std::size_t bytes);
+void release_zeroed(void* block, std::size_t bytes) noexcept;
+
+/// Returns the memory of the whole pages of a range to the system: their contents become 0.
+void release_pages(void* begin, std::size_t bytes) noexcept;
+
 /// Writes to each page of a range whose contents do not matter.
 void touch_pages(void* begin, std::size_t bytes) noexcept;
 

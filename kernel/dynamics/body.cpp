@@ -44,11 +44,21 @@ FieldEquation& Body::field(std::string_view name) {
 void Body::share(std::unique_ptr<BodyShare> share) {
   share_ = std::move(share);
   models_->share(*share_, [this](std::vector<bool>& marks) { mark_vertices(marks); });
-  attributes_.partial_rows().complete_by(
-      [this](double* rows) {
-        share_->complete({rows, 4});
-      },
-      [this](double* rows) { share_->complete_at_cells(rows); });
+  attributes_.partial_rows().share_with(
+      {.complete =
+           [this](double* rows) {
+             share_->complete({rows, 4});
+           },
+       .complete_at_cells = [this](double* rows) { share_->complete_at_cells(rows); },
+       .gather =
+           [this](double* rows) {
+             share_->gather({rows, 4});
+           },
+       .known =
+           [this] {
+             if (!models_->knows_share()) models_->find_share();
+             return share_->known();
+           }});
   for_each_with<SharedTerm>(terms_, [&](SharedTerm& term) { term.divide_sums(*share_); });
 }
 
@@ -64,6 +74,7 @@ bool Body::marks_vertices() const {
 
 /// Also of terms that read others, too: then nothing is divided.
 void Body::mark_vertices(std::vector<bool>& marks) const {
+  constraints_.mark_driven(marks);
   for (const auto& term : loads()) term->mark_vertices(marks);
   if (contact_) contact_->mark_vertices(marks);
 }

@@ -216,6 +216,10 @@ DrivenWork Constraints::after_drift(Attributes& attributes, double before, doubl
   return total;
 }
 
+void Constraints::mark_driven(std::vector<bool>& marks) const {
+  for (const Driven& driven : driven_) marks[driven.vertex] = true;
+}
+
 void Constraints::drift(Attributes& attributes, double dt, double end_time, Index begin,
                         Index end) {
   const auto driven_here = within(driven_, begin, end);

@@ -133,6 +133,7 @@ class Constraints {
 
   bool empty() const { return groups_.empty(); }
   bool has_driven() const { return !driven_.empty(); }  ///< a vertex has a prescribed motion
+  void mark_driven(std::vector<bool>& marks) const;     ///< by vertex: those that have one
   Index vertex_count() const;                           ///< constrained, counted once per group
   double last_change() const;                           ///< end of the last motion, s
 

@@ -222,6 +222,7 @@ void Dynamics::constrain(const std::function<std::vector<Index>()>& change) {
   Attributes& attributes = body().attributes();
   jump([&] {
     const std::vector<Index> freed = change();
+    if (body().share()) body().models().find_share();  // others may move
     body().constraints().apply(attributes, time());
     const Kick lacking = integrator_->lacking();
     const Vec3 uniform = body().acceleration(time());

@@ -82,7 +82,12 @@ void Motion::clear_forces() {
   const PartialRows::OwnIsEnough all_are_cleared(partial, !frozen_);
   double* rows = body_.attributes().force().rows();
   const Index vertices = body_.attributes().vertex_count();
-  if (!frozen_) std::fill_n(rows, std::size_t{vertices} * 4, 0.0);
+  const PartialRows::Range all{0, vertices};
+  std::span<const PartialRows::Range> ranges;
+  if (partial.is_partial(PartialRows::force)) ranges = partial.known();
+  if (ranges.empty()) ranges = {&all, 1};
+  for (const auto& [first, end] : ranges)
+    if (!frozen_) std::fill(rows + std::size_t{first} * 4, rows + std::size_t{end} * 4, 0.0);
   for (Index v = 0; frozen_ && v < vertices; ++v)  // what is frozen keeps its forces
     if (awake_[v]) std::fill_n(rows + std::size_t{v} * 4, 4, 0.0);
   partial.set(PartialRows::force, false);

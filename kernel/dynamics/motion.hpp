@@ -121,6 +121,9 @@ class Motion {
   bool is_frozen() const { return frozen_; }
   /// Whether this process makes passes over its own vertices and the common ones only.
   bool divides() const;
+  /// The rows of others that it does not read in steps take no memory until somebody asks for them.
+  /// Passes do so, too.
+  void release_rows_of_others();
   const LiveMask& moving() const;  ///< vertices that exist and are not frozen
 
   /// The vertex with the largest kinetic energy in the chunk with the largest apparent frequency.
@@ -157,6 +160,8 @@ class Motion {
   std::optional<ElementBlocks> blocks_;
   bool is_placed_ = false;          // blocks_ are of the present positions
   unsigned steps_since_asked_ = 0;  // for blocks_
+  std::uint64_t requests_ = 0;      // for rows of other processes, before the last pass
+  unsigned passes_alone_ = 0;       // passes since then
 };
 
 }  // namespace suture

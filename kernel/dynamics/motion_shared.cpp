@@ -2,6 +2,7 @@
 //
 // What passes over the vertices do where several processes share them (forces/body_share.hpp).
 #include <algorithm>
+#include <utility>
 
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/forces/contact_law.hpp"
@@ -18,6 +19,18 @@ void Motion::drift_driven_of_others(double dt, double end) {
   for_each_range_of_others(*body_.share(), [&](Index first, Index last) {
     body_.constraints().drift(body_.attributes(), dt, end, first, last);
   });
+}
+
+void Motion::release_rows_of_others() {
+  if (!divides()) return;
+  Attributes& attributes = body_.attributes();
+  PartialRows& partial = attributes.partial_rows();
+  const PartialRows::OwnIsEnough as_they_are(partial);
+  partial.set(PartialRows::position, true);
+  partial.set(PartialRows::velocity, true);
+  if (evaluated_) partial.set(PartialRows::force, true);
+  for (Column* column : {&attributes.position(), &attributes.velocity(), &attributes.force()})
+    body_.share()->release({column->rows(), 4});
 }
 
 /// After a pass of this process: it gets the sums of all, and what is at its borders. The forces of
@@ -43,6 +56,11 @@ bool Motion::join_pass(bool good) {
   partial.set(PartialRows::position, true);
   partial.set(PartialRows::velocity, true);
   partial.set(PartialRows::force, false);
+  // Where they are asked for again and again, fresh pages would take longer than a step.
+  constexpr unsigned passes_before_release = 8;
+  const bool were_asked_for = std::exchange(requests_, partial.requests()) != partial.requests();
+  passes_alone_ = were_asked_for ? 0 : passes_alone_ + 1;
+  if (passes_alone_ == passes_before_release) release_rows_of_others();
   return share.join_blocks(sums_.numbers(), MotionSums::width, good);
 }
 

@@ -25,21 +25,20 @@ Rounding rounding_of(const Motion& motion) {
   const PartialRows::OwnIsEnough own(attributes.partial_rows());
   const double omega = 2 / motion.last_step();
   const double *x = attributes.position().rows(), *mass = attributes.mass().rows();
-  const auto sum_of = [&](double stiffnesses_of(double)) {
-    const auto in_block = [&](Index first, Index end) {
-      double sum = 0;
-      for (Index v = first; v < end; ++v) {
-        const double* const at = x + std::size_t{v} * 4;
-        const double squared = at[0] * at[0] + at[1] * at[1] + at[2] * at[2];
-        sum += stiffnesses_of(mass[v] * omega * omega) * epsilon * epsilon * squared;
-      }
-      return sum;
-    };
-    return sum_of_blocks(motion.body().share(), attributes.vertex_count(), BodyShare::block,
-                         in_block);
+  const auto in_block = [&](Index first, Index end) {
+    std::array<double, 2> sums{};
+    for (Index v = first; v < end; ++v) {
+      const double* const at = x + std::size_t{v} * 4;
+      const double squared = at[0] * at[0] + at[1] * at[1] + at[2] * at[2];
+      const double stiffness = mass[v] * omega * omega;
+      sums[0] += stiffness / 2 * epsilon * epsilon * squared;
+      sums[1] += stiffness * stiffness * epsilon * epsilon * squared;
+    }
+    return sums;
   };
-  return {sum_of([](double stiffness) { return stiffness / 2; }),
-          sum_of([](double stiffness) { return stiffness * stiffness; })};
+  const auto [energy, force] = sums_of_blocks<2>(motion.body().share(), attributes.vertex_count(),
+                                                 BodyShare::block, in_block);
+  return {energy, force};
 }
 
 double rounding_of_stored_energy(const Motion& motion) {

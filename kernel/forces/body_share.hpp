@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "kernel/attributes/partial_rows.hpp"
 #include "kernel/forces/failures.hpp"
 #include "kernel/forces/loops/loops.hpp"
 #include "kernel/topology/cell_complex.hpp"
@@ -18,7 +19,7 @@ struct VertexRows {
   VertexRows(Number* rows, std::size_t numbers)
       : data(reinterpret_cast<std::byte*>(rows)), bytes(numbers * sizeof(Number)) {}
   std::byte* data;
-  std::size_t bytes;  ///< of a row, a multiple of 8
+  std::size_t bytes;  ///< of a row; a multiple of 8 but for complete() and release()
 };
 
 /// The part of a body that this process computes, of several that hold the same body
@@ -53,6 +54,8 @@ class BodyShare {
   virtual void join_forces(VertexRows rows, Failure& failure) = 0;
   /// Each vertex of another process gets the row of that process.
   virtual void complete(VertexRows rows) = 0;
+  /// The same for process 0 alone.
+  virtual void gather(VertexRows rows) = 0;
 
   /// What a process has of the body.
   struct Part {
@@ -71,6 +74,11 @@ class BodyShare {
   virtual std::span<const Index> borders() const = 0;
   /// The rows at borders() of some columns become those of the processes that step them.
   virtual void join_borders(std::span<double* const> columns) = 0;
+  virtual void join_borders(VertexRows rows) = 0;
+  /// Own and common vertices, and borders().
+  virtual std::span<const PartialRows::Range> known() const = 0;
+  /// All other rows become 0 where they fill pages, and take no memory.
+  virtual void release(VertexRows rows) const = 0;
   /// The same for rows of `width` numbers, one per block of vertices, on all processes. Returns
   /// whether all of them are `good`.
   virtual bool join_blocks(std::span<double> rows, std::size_t width, bool good) = 0;

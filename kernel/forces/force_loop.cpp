@@ -142,6 +142,8 @@ void ForceLoop::find_share() {
   impl_->find_share();
 }
 
+bool ForceLoop::knows_share() const { return impl_->others.has_value(); }
+
 bool ForceLoop::may_divide() const {
   return impl_->share && !keeps_states() && !reads_fields() && !books_work();
 }

@@ -183,12 +183,17 @@ class ForceLoop final : public ForceTerm,
   void share(BodyShare& share, std::function<void(std::vector<bool>&)> mark_others);
   /// Call when these have changed other than by an operation. O(cells).
   void find_share();
+  /// False from an operation until the next forces.
+  bool knows_share() const;
   /// Whether forces at own vertices of the share are enough for a step: there is one, and no
   /// functor keeps states, reads fields, or has its work booked.
   bool may_divide() const;
   /// add_forces_in_step() if may_divide(), for the rows of own and common vertices. Others at the
   /// borders get parts of their forces.
   void add_own_forces(const StepTimes& step, double* rows);
+  /// The same for add_tangent(); `d` has own and common rows and borders.
+  void add_own_tangent(const float* d, double dx, double dv, const TangentTime& at, float* out);
+  void add_own_tangent(const double* d, double dx, double dv, const TangentTime& at, double* out);
 
   /// From now on every call of a force is checked for mistakes of its plugin (checked_force.hpp),
   /// and energies, bounds, tangents and fields must be finite. Small bodies run hundreds of times

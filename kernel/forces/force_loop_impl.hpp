@@ -236,8 +236,10 @@ struct ForceLoop::Impl {
   void add_cell_work(Index number, const double* direction, double energy, const TangentTime& at,
                      std::span<double> out);
   bool add_field(Index number, std::string_view field, double time, std::span<double> values);
+  enum class RowsOfShare { own, all };
   template <class Real>
-  void add_tangent(loops::Product<Real> product, const TangentTime& at);
+  void add_tangent(loops::Product<Real> product, const TangentTime& at,
+                   RowsOfShare rows = RowsOfShare::all);
   bool add_single_tangent(Index number, const loops::Product<float>& product,
                           const TangentTime& at);
   bool add_single_tangent(Index, const loops::Product<double>&, const TangentTime&) {

@@ -93,7 +93,8 @@ bool ForceLoop::Impl::add_single_tangent(Index number, const loops::Product<floa
 
 /// Adds those of the share, if there is one, which others then get.
 template <class Real>
-void ForceLoop::Impl::add_tangent(loops::Product<Real> product, const TangentTime& at) {
+void ForceLoop::Impl::add_tangent(loops::Product<Real> product, const TangentTime& at,
+                                  RowsOfShare wanted) {
   if (share && !others) find_share();
   for (Index i = 0; i < functors.size(); ++i) {
     if (functors[i].skipped() || add_single_tangent(i, product, at)) continue;
@@ -108,9 +109,21 @@ void ForceLoop::Impl::add_tangent(loops::Product<Real> product, const TangentTim
   if (is_divided()) {
     const VertexRows rows(product.out, std::is_same_v<Real, float> ? 4 : 3);
     share->join_forces(rows, first);
-    share->complete(rows);
+    if (wanted == RowsOfShare::all) share->complete(rows);
   }
   raise(first, at.time);
+}
+
+void ForceLoop::add_own_tangent(const float* d, double dx, double dv, const TangentTime& at,
+                                float* out) {
+  const PartialRows::OwnIsEnough own(impl_->attributes.partial_rows());
+  impl_->add_tangent(loops::Product<float>{nullptr, d, dx, dv, out}, at, Impl::RowsOfShare::own);
+}
+
+void ForceLoop::add_own_tangent(const double* d, double dx, double dv, const TangentTime& at,
+                                double* out) {
+  const PartialRows::OwnIsEnough own(impl_->attributes.partial_rows());
+  impl_->add_tangent(loops::Product<double>{nullptr, d, dx, dv, out}, at, Impl::RowsOfShare::own);
 }
 
 void ForceLoop::add_tangent(const float* d, double dx, double dv, const TangentTime& at,

@@ -161,9 +161,17 @@ struct SurfaceTree::Search {
   double squared_distance;
   double squared_part = 1;  ///< nodes farther away than this part of the distance are left out
   bool is_any_enough = false;
-  Index found = none;  ///< nearer than at the start
+  bool is_first_wanted = false;  ///< of those that are as near
+  Index found = none;            ///< nearer than at the start
 
-  bool may_hold(double squared_gap) const { return squared_gap < squared_part * squared_distance; }
+  bool may_hold(double squared_gap) const {
+    return squared_gap < squared_part * squared_distance ||
+           (is_first_wanted && found != none && squared_gap == squared_distance);
+  }
+  bool is_better(double squared, Index triangle) const {
+    return squared < squared_distance ||
+           (is_first_wanted && found != none && triangle < found && squared == squared_distance);
+  }
   bool is_over() const { return is_any_enough && found != none; }
 };
 
@@ -188,7 +196,7 @@ void SurfaceTree::examine(std::span<const Index> triangles, Search& search) cons
     const Vec3 foot = plus(a, plus(scaled(w.b, minus(b, a)), scaled(w.c, minus(c, a))));
     const Vec3 away = minus(search.place, foot);
     const double squared = dot(away, away);
-    if (!(squared < search.squared_distance)) continue;
+    if (!search.is_better(squared, i)) continue;
     search.squared_distance = squared;
     search.found = i;
   }
@@ -208,7 +216,7 @@ void SurfaceTree::descend(Index node, Search& search) const {
 }
 
 Index SurfaceTree::nearest(const Vec3& place, Index start, double within) const {
-  Search search{place, within * within};
+  Search search{.place = place, .squared_distance = within * within, .is_first_wanted = true};
   examine({&start, 1}, search);
   descend(1, search);
   return search.found;

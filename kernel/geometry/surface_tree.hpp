@@ -30,8 +30,8 @@ class SurfaceTree {
   /// `surface` must outlive the tree. Cost: 0.25 us per triangle.
   explicit SurfaceTree(const TriangleSurface& surface);
 
-  /// A triangle nearest to a place, or none if all are `within` or farther away. The nearer the
-  /// triangle `start`, the faster the search.
+  /// The triangle nearest to a place, the first of those that are as near, or none if all are
+  /// `within` or farther away. The nearer the triangle `start`, the faster the search.
   Index nearest(const Vec3& place, Index start,
                 double within = std::numeric_limits<double>::infinity()) const;
   /// A triangle that may be farther away than the nearest, which is at `least_part` of its distance

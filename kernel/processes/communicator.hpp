@@ -22,6 +22,8 @@ class Communicator {
   virtual void gather(std::span<const double> mine, std::span<const int> counts, double* all) = 0;
   /// The same where all[...] already has the numbers of this process in their place.
   virtual void complete(double* all, std::span<const int> counts) = 0;
+  /// Process 0 alone gets the numbers of all; `mine` may stand in their place.
+  virtual void collect(std::span<const double> mine, std::span<const int> counts, double* all) = 0;
   /// The texts of all processes.
   virtual std::vector<std::string> gather(const std::string& mine) = 0;
   /// The lists that all processes have for this one, from lists[i] for process i.

@@ -7,14 +7,19 @@
 #include <sstream>
 #include <utility>
 
+#include "kernel/base/bulk.hpp"
+
 namespace suture {
 
-ProcessShare::ProcessShare(Communicator& processes, unsigned threads)
+ProcessShare::ProcessShare(Communicator& processes, unsigned threads, const CellComplex& complex)
     : processes_(processes),
       machines_(processes.gather(std::to_string(threads) + ' ' + name_of_machine())),
+      mesh_blocks_(complex.count(0) / aligned),
       own_(processes.size()),
       common_(processes.size()),
-      counts_(processes.size()) {}
+      counts_(processes.size()) {
+  divide(complex);
+}
 
 // -------------------------------------------------------------------- shares --
 
@@ -33,7 +38,6 @@ std::uint64_t changes_of_elements(const CellComplex& complex) {
 }  // namespace
 
 void ProcessShare::divide(const CellComplex& complex) {
-  if (element_begins_.empty()) mesh_blocks_ = complex.count(0) / aligned;
   divide_elements(complex);
   divide_blocks(complex);
   changed_elements_ = changes_of_elements(complex);
@@ -85,7 +89,6 @@ void ProcessShare::divide_blocks(const CellComplex& complex) {
 }
 
 std::vector<bool> ProcessShare::others(const CellComplex& complex) {
-  if (element_begins_.empty()) divide(complex);
   const unsigned rank = processes_.rank();
   const Index common = common_begin(), made = mesh_blocks_ * aligned;
   std::vector<bool> others(complex.count(0), true);
@@ -127,8 +130,35 @@ void ProcessShare::find(Exchange& exchange, const std::vector<bool>& vertices) {
 void ProcessShare::read(const std::vector<bool>& vertices) {
   find(at_borders_, vertices);
   borders_.clear();
+  std::vector<bool> is_known(vertices.size());
   for (const auto& taken : at_borders_.taken)
-    borders_.insert(borders_.end(), taken.begin(), taken.end());
+    for (const Index v : taken) {
+      borders_.push_back(v);
+      is_known[v] = true;
+    }
+  for (const auto& [begin, end] : own())
+    std::fill(is_known.begin() + begin, is_known.begin() + end, true);
+  std::fill(is_known.begin() + common_begin(), is_known.end(), true);
+  known_.clear();
+  const auto next = [&](auto from, bool known) { return std::find(from, is_known.end(), known); };
+  for (auto first = next(is_known.begin(), true); first != is_known.end();) {
+    const auto end = next(first, false);
+    known_.emplace_back(static_cast<Index>(first - is_known.begin()),
+                        static_cast<Index>(end - is_known.begin()));
+    first = next(end, true);
+  }
+}
+
+void ProcessShare::release(VertexRows rows) const {
+  Index first = 0;
+  const auto release_until = [&](Index end) {
+    if (first < end) release_pages(rows.data + first * rows.bytes, (end - first) * rows.bytes);
+  };
+  for (const auto& [begin, end] : known_) {
+    release_until(begin);
+    first = end;
+  }
+  release_until(common_begin());
 }
 
 void ProcessShare::read_at_cells(const std::vector<bool>& vertices) { find(at_cells_, vertices); }
@@ -220,32 +250,68 @@ bool ProcessShare::is_in_order() const {
   return true;
 }
 
-void ProcessShare::complete(VertexRows rows) {
-  const std::size_t width = rows.bytes / sizeof(double);
-  for (unsigned p = 0; p < processes_.size(); ++p) counts_[p] = static_cast<int>(width * steps(p));
-  double* const all = reinterpret_cast<double*>(rows.data);
-  if (is_in_order()) return processes_.complete(all, counts_);
-  std::vector<double> mine, packed(width * common_begin());
+namespace {
+
+/// Own vertices are whole blocks, so that their rows are whole numbers of 8 bytes.
+std::size_t numbers_in(const VertexRows& rows, std::size_t vertices) {
+  return vertices * rows.bytes / sizeof(double);
+}
+
+double* numbers_of(const VertexRows& rows) { return reinterpret_cast<double*>(rows.data); }
+
+}  // namespace
+
+/// Sets counts_.
+std::vector<double> ProcessShare::own_rows(VertexRows rows) {
+  for (unsigned p = 0; p < processes_.size(); ++p)
+    counts_[p] = static_cast<int>(numbers_in(rows, steps(p)));
+  std::vector<double> mine;
+  if (is_in_order()) return mine;
   for (const auto& [begin, end] : own())
-    mine.insert(mine.end(), all + width * begin, all + width * end);
-  processes_.gather(mine, counts_, packed.data());
-  const double* next = packed.data();
+    mine.insert(mine.end(), numbers_of(rows) + numbers_in(rows, begin),
+                numbers_of(rows) + numbers_in(rows, end));
+  return mine;
+}
+
+/// Those of all processes, one process after the other.
+void ProcessShare::take(const double* packed, VertexRows rows) const {
   for (const auto& ranges : own_)
     for (const auto& [begin, end] : ranges) {
-      std::copy_n(next, width * (end - begin), all + width * begin);
-      next += width * (end - begin);
+      const std::size_t size = numbers_in(rows, end - begin);
+      std::copy_n(packed, size, numbers_of(rows) + numbers_in(rows, begin));
+      packed += size;
     }
 }
 
+void ProcessShare::complete(VertexRows rows) {
+  const std::vector<double> mine = own_rows(rows);
+  if (is_in_order()) return processes_.complete(numbers_of(rows), counts_);
+  std::vector<double> packed(numbers_in(rows, common_begin()));
+  processes_.gather(mine, counts_, packed.data());
+  take(packed.data(), rows);
+}
+
+void ProcessShare::gather(VertexRows rows) {
+  const std::vector<double> mine = own_rows(rows);
+  if (is_in_order()) {
+    const std::size_t begin = own().empty() ? 0 : numbers_in(rows, own().front().begin);
+    const auto count = static_cast<std::size_t>(counts_[processes_.rank()]);
+    return processes_.collect({numbers_of(rows) + begin, count}, counts_, numbers_of(rows));
+  }
+  std::vector<double> packed(processes_.rank() == 0 ? numbers_in(rows, common_begin()) : 0);
+  processes_.collect(mine, counts_, packed.data());
+  if (processes_.rank() == 0) take(packed.data(), rows);
+}
+
 void ProcessShare::join_forces(VertexRows rows, Failure& failure) {
-  join_moved(rows);
+  join_rows(moved_, rows);
   join_common(rows, failure);
 }
 
-void ProcessShare::join_moved(VertexRows rows) {
+void ProcessShare::join_rows(Exchange& exchange, VertexRows rows) {
   const auto at = [&](Index v) { return rows.data + v * rows.bytes; };
   join(
-      moved_, rows.bytes / sizeof(double),
+      exchange, rows.bytes / sizeof(double),
       [&](Index v, double* to) { std::memcpy(to, at(v), rows.bytes); },
       [&](Index v, const double* from) { std::memcpy(at(v), from, rows.bytes); });
 }

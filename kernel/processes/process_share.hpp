@@ -20,8 +20,9 @@ namespace suture {
 /// Blocks are ranges of 4096 vertices, as sums over vertices are made of these.
 class ProcessShare final : public BodyShare {
  public:
-  /// The communicator must outlive it. `threads`: of this process.
-  ProcessShare(Communicator& processes, unsigned threads);
+  /// Shares of the complex as it is built. The communicator must outlive it. `threads`: of this
+  /// process.
+  ProcessShare(Communicator& processes, unsigned threads, const CellComplex& complex);
 
   std::span<const loops::Rows> own() const override { return own_[processes_.rank()]; }
   Index common_begin() const override {
@@ -32,9 +33,13 @@ class ProcessShare final : public BodyShare {
   std::vector<bool> others(const CellComplex& complex) override;
   void join_forces(VertexRows rows, Failure& failure) override;
   void complete(VertexRows rows) override;
+  void gather(VertexRows rows) override;
   void read(const std::vector<bool>& vertices) override;
   std::span<const Index> borders() const override { return borders_; }
   void join_borders(std::span<double* const> columns) override { join(at_borders_, columns); }
+  void join_borders(VertexRows rows) override { join_rows(at_borders_, rows); }
+  std::span<const PartialRows::Range> known() const override { return known_; }
+  void release(VertexRows rows) const override;
   bool join_blocks(std::span<double> rows, std::size_t width, bool good) override;
   bool all(bool good) override { return processes_.largest(good ? 0 : 1) == 0; }
   std::vector<Part> parts() const override;
@@ -63,10 +68,12 @@ class ProcessShare final : public BodyShare {
   template <class Give, class Take>
   void join(Exchange& exchange, std::size_t numbers, Give give, Take take);
   void join(Exchange& exchange, std::span<double* const> columns);
+  void join_rows(Exchange& exchange, VertexRows rows);
   void divide_elements(const CellComplex& complex);
   void divide_blocks(const CellComplex& complex);
   bool is_in_order() const;
-  void join_moved(VertexRows rows);
+  std::vector<double> own_rows(VertexRows rows);
+  void take(const double* packed, VertexRows rows) const;
   void join_common(VertexRows rows, Failure& failure);
   bool exchange(bool fault);
   void exchange(Failure& failure);
@@ -74,13 +81,14 @@ class ProcessShare final : public BodyShare {
   Communicator& processes_;
   std::vector<std::string> machines_;          ///< of each process, with its threads
   std::vector<Index> element_begins_;          ///< of the elements of each process, and their end
-  Index mesh_blocks_ = 0;                      ///< of vertices that are numbered with the mesh
+  const Index mesh_blocks_;                    ///< of vertices that are numbered with the mesh
   std::uint64_t changed_elements_ = 0;         ///< removed and copied before the last division
   std::vector<unsigned> process_of_block_;     ///< that steps its vertices
   std::vector<std::vector<loops::Rows>> own_;  ///< the same by process
   std::vector<std::vector<Index>> common_;     ///< vertices whose forces each process sums
   Exchange moved_;                             ///< vertices that others step than sum their forces
   std::vector<Index> borders_;                 ///< vertices that others step and this process reads
+  std::vector<PartialRows::Range> known_;
   Exchange at_borders_, at_cells_;
   // The present exchange: the numbers of this process, those of all, and how many each gives.
   // The last number of a process says whether it has met a fault.

@@ -8,6 +8,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/dynamics/motion.hpp"
+#include "kernel/forces/body_share.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/results/frame_parts.hpp"
 #include "kernel/vtk/vtk_module.hpp"
@@ -82,6 +83,7 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
     : built_(built), provenance_(std::move(provenance)), folder_(std::move(folder)) {
   const OutputOptions& options = scene.output;
   writes_ = options.enabled;
+  in_pieces_ = options.pieces;
   if (!writes_) return;
   fields_ = choose_fields(built, options);
   frames_need_force_ = std::ranges::any_of(fields_, &FieldChoice::needs_force);
@@ -149,12 +151,48 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
 
 void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
   if (!frames_) return;
+  if (!process_0_fills_frames(step, time, gravity)) fill_frames(step, time, gravity);
+  ++frame_number_;
+}
+
+void Recorder::fill_frames(std::uint64_t step, double time, const Vec3& gravity) {
   auto frame = std::make_unique<Frame>(frames_->take_frame());
   fill_frame(*frame, time, gravity);
   pending_.push_back({step, PendingRecord::Kind::frame, std::move(frame), {}});
   for (std::size_t i = 0; i < sides_.size(); ++i) side_frame(i, step, time, gravity);
   if (!built_.skips()) fill_other_fields(time, gravity);
-  ++frame_number_;
+}
+
+/// Where several processes make the run, it alone has memory for frames, unless each writes a
+/// piece. False if that is not so, or if it fails: then all fill them, and meet the same error.
+bool Recorder::process_0_fills_frames(std::uint64_t step, double time, const Vec3& gravity) {
+  BodyShare* const share = built_.body().share();
+  if (!share || in_pieces_) return false;
+  const std::size_t before = pending_.size();
+  bool is_good = true;
+  gather_rows();
+  if (share->number() == 0) {
+    const PartialRows::OwnIsEnough as_they_are(built_.body().attributes().partial_rows());
+    try {
+      fill_frames(step, time, gravity);
+    } catch (...) {
+      is_good = false;
+    }
+  } else {
+    pending_.push_back({step, PendingRecord::Kind::frame, nullptr, {}});
+    for (std::size_t i = 0; i < sides_.size(); ++i)
+      pending_.push_back({step, PendingRecord::Kind::side, nullptr, {}, i});
+  }
+  if (share->all(is_good)) return true;
+  while (pending_.size() > before) pending_.pop_back();
+  return false;
+}
+
+/// What fields may read.
+void Recorder::gather_rows() {
+  Attributes& attributes = built_.body().attributes();
+  attributes.gather_motion();
+  if (frames_need_force_ || !built_.skips()) attributes.gather_forces();
 }
 
 void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape) {
@@ -177,10 +215,10 @@ void Recorder::write(PendingRecord& record) {
   tell_provenance();
   switch (record.kind) {
     case PendingRecord::Kind::frame:
-      frames_->submit(std::move(*record.frame));
+      if (record.frame) frames_->submit(std::move(*record.frame));
       break;
     case PendingRecord::Kind::side:
-      sides_[record.side].sink->submit(std::move(*record.frame));
+      if (record.frame) sides_[record.side].sink->submit(std::move(*record.frame));
       break;
     case PendingRecord::Kind::energies:
       energies_->row(record.step, record.row);
@@ -315,6 +353,7 @@ void Recorder::PendingRecord::state(Archive& archive) {
   archive("row", row);
   archive("side", side);
   if (kind != Kind::frame && kind != Kind::side) return;
+  if (!archive.loads() && !frame) return;  // of a process that saves nothing
   if (archive.loads()) frame = std::make_unique<Frame>();
   archive("frame", *frame);
 }

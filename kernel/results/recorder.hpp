@@ -84,6 +84,9 @@ class Recorder {
  private:
   void fill_frame(Frame& frame, double time, const Vec3& gravity,
                   const std::vector<Vec3>* mode = nullptr);
+  void fill_frames(std::uint64_t step, double time, const Vec3& gravity);
+  bool process_0_fills_frames(std::uint64_t step, double time, const Vec3& gravity);
+  void gather_rows();
   void side_frame(std::size_t side, std::uint64_t step, double time, const Vec3& gravity);
   void fill_other_fields(double time, const Vec3& gravity);
 
@@ -91,7 +94,7 @@ class Recorder {
   struct PendingRecord {
     std::uint64_t step = 0;
     enum class Kind { frame, side, energies, probes, tools } kind = Kind::frame;
-    std::unique_ptr<Frame> frame;  ///< for the first two kinds
+    std::unique_ptr<Frame> frame;  ///< for the first two kinds; null where another process has it
     std::vector<double> row;       ///< for the others
     std::size_t side = 0;          ///< the series
     void state(Archive& archive);
@@ -107,6 +110,7 @@ class Recorder {
   std::shared_ptr<OutputFolder> folder_;
   std::vector<FieldChoice> fields_, other_fields_;
   bool writes_ = false, begins_ = false, frames_need_force_ = false, frames_run_functors_ = false;
+  bool in_pieces_ = false;
   std::size_t frame_number_ = 0;
   std::deque<PendingRecord> pending_;
   std::optional<ProbeTable> probe_table_;

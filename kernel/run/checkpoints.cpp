@@ -117,11 +117,18 @@ bool Checkpoints::is_due(const Clock& clock) const {
   return options_.minutes > 0 && since.count() >= 60 * options_.minutes;
 }
 
-void Checkpoints::write(const Clock& clock, StateTree&& state) {
-  if (!writer_) writer_ = std::make_unique<CheckpointWriter>(writing_);
+const CheckpointHeader& Checkpoints::header_at(const Clock& clock) {
   header_.step = clock.step();
   header_.time = clock.time();
-  writer_->submit(header_, std::move(state));
+  return header_;
+}
+
+void Checkpoints::write(const CheckpointHeader& header, StateTree&& state) {
+  if (!writer_) writer_ = std::make_unique<CheckpointWriter>(writing_);
+  writer_->submit(header, std::move(state));
+}
+
+void Checkpoints::note_written(const Clock& clock) {
   last_step_ = clock.step();
   last_time_ = clock.time();
   written_ = Wall::now();

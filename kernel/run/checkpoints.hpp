@@ -9,6 +9,7 @@
 #include "kernel/build/built_scene.hpp"
 #include "kernel/dynamics/clock.hpp"
 #include "kernel/output/checkpoint_writer.hpp"
+#include "kernel/output/output_folder.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 
 namespace suture {
@@ -40,12 +41,18 @@ class Checkpoints {
   bool is_due(const Clock& clock) const;
   bool is_enabled() const { return options_.enabled; }
   /// Saves the state now and writes it on another thread. Throws the IoError of the previous
-  /// checkpoint, if any.
+  /// checkpoint, if any. Of several processes, process 0 writes it.
   template <class Run>
   void write(const Clock& clock, Run& run) {
-    StateTree tree;
-    save_state(tree, run);
-    write(clock, std::move(tree));
+    if (writing_.folder->is_silent()) {
+      DroppingWriter dropped;
+      run.state(dropped);
+    } else {
+      StateTree tree;
+      save_state(tree, run);
+      write(header_at(clock), std::move(tree));
+    }
+    note_written(clock);
   }
   void finish();
   /// The newest complete checkpoint, or "".
@@ -65,7 +72,9 @@ class Checkpoints {
 
  private:
   using Wall = std::chrono::steady_clock;
-  void write(const Clock& clock, StateTree&& state);
+  const CheckpointHeader& header_at(const Clock& clock);
+  void write(const CheckpointHeader& header, StateTree&& state);
+  void note_written(const Clock& clock);
   void check(const CheckpointHeader& header, const std::filesystem::path& file);
   void take_folder(const CheckpointHeader& header, const std::filesystem::path& file);
   void continue_from(const CheckpointHeader& header, const std::filesystem::path& file,

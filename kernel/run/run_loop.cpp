@@ -50,7 +50,7 @@ StepControl::Notify notify_to(Observer& observer) {
 }  // namespace
 
 RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
-                 std::shared_ptr<OutputFolder> folder, bool check_plugins)
+                 std::shared_ptr<OutputFolder> folder, bool check_plugins, Communicator* processes)
     : host_(host),
       diagnostics_(diagnostics),
       built_(scene, diagnostics, skip),
@@ -61,12 +61,15 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
       records_(built_, recorder_, clock_),
       sleeper_(scene.solver, built_),
       ending_(built_, schedule_, control_, recorder_, diagnostics),
-      checkpoints_(built_, host, recorder_.folder()) {
+      checkpoints_(built_, host, recorder_.folder()),
+      processes_(processes) {
   Decision fixed_cells = decide_fixed_cells(scene_, built_, recorder_);
   decisions_ = decide(scene_, host, built_, recorder_);
   decisions_.push_back(std::move(fixed_cells));
   if (check_plugins) built_.body().check_plugins();  // before the first force
+  if (processes) share(*processes);
   built_.dynamics().start();
+  built_.dynamics().motion().release_rows_of_others();
   if (ending_.rest()) check_free_bodies(scene_, built_, diagnostics);
   if (built_.dynamics().is_static()) require_held_bodies();
   control_.start();
@@ -80,9 +83,10 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
 void RunLoop::share(Communicator& processes) {
   require_shareable(scene_);
   require_same_run(processes, scene_, checkpoint_header(built_, host_));
-  built_.body().share(
-      std::make_unique<ProcessShare>(processes, built_.body().models().workers().threads()));
-  processes_ = &processes;
+  Body& body = built_.body();
+  body.share(
+      std::make_unique<ProcessShare>(processes, body.models().workers().threads(), body.complex()));
+  body.attributes().partial_rows().keeps_all = scene_.checkpoint.enabled && processes.rank() == 0;
 }
 
 /// A fixed dt does not need the bounds of the stable step.

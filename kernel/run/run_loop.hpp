@@ -23,11 +23,11 @@ class Communicator;
 class RunLoop {
  public:
   RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
-          std::shared_ptr<OutputFolder> folder, bool check_plugins = false);
+          std::shared_ptr<OutputFolder> folder, bool check_plugins = false,
+          Communicator* processes = nullptr);
 
   // The functions of Simulation with these names.
   std::optional<RunSummary::Outcome> advance(const Pause& pause, Observer& observer);
-  void share(Communicator& processes);
   RunSummary run(Observer& observer);
   EventOutcome apply(const Event& event, Observer& observer);
   void change_motion(const std::function<void(Attributes&)>& change);
@@ -65,6 +65,7 @@ class RunLoop {
   void change_forces(const std::function<void()>& change);
   void change_parameters(const std::function<void()>& set, const std::function<void()>& undo);
   using Wall = std::chrono::steady_clock;
+  void share(Communicator& processes);
   void require_held_bodies();
   void pass_details_to(Observer& observer);
   std::optional<RunSummary::Outcome> loop(const Pause& pause, Observer& observer);
@@ -103,7 +104,7 @@ class RunLoop {
   bool is_ready_ = false;         ///< make_ready()
   bool is_unbalanced_ = false;    ///< something has changed since the last step
   std::uint64_t first_step_ = 0;  ///< not 0 if the run was resumed
-  Communicator* processes_ = nullptr;
+  Communicator* processes_;
 };
 
 }  // namespace suture

@@ -9,11 +9,12 @@
 namespace suture {
 
 Simulation::Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip,
-                       std::shared_ptr<OutputFolder> folder, bool check_plugins) {
+                       std::shared_ptr<OutputFolder> folder, bool check_plugins,
+                       Communicator* processes) {
   if (!folder) folder = std::make_shared<OutputFolder>(scene.output.directory, scene.output.root);
   try {
-    run_ =
-        std::make_unique<RunLoop>(scene, host, diagnostics, skip, std::move(folder), check_plugins);
+    run_ = std::make_unique<RunLoop>(scene, host, diagnostics, skip, std::move(folder),
+                                     check_plugins, processes);
   } catch (const InputError& error) {
     scene.places.rethrow(error);
   }
@@ -24,8 +25,6 @@ Simulation::~Simulation() = default;
 void Simulation::resume(const Checkpoint& checkpoint, const std::filesystem::path& file) {
   run_->resume(checkpoint, file);
 }
-
-void Simulation::share(Communicator& processes) { run_->share(processes); }
 
 RunSummary Simulation::run(Observer& observer) { return run_->run(observer); }
 

@@ -37,19 +37,18 @@ class Simulation {
   /// `folder`: the output folder, if the caller has opened it already; nullptr: run() opens it.
   /// `check_plugins`: checks every call of a plugin's force (ForceLoop::check_plugins), and the
   /// bounds of the stable step once.
+  /// `processes`: make the run together: each builds the same body, computes a part of its forces
+  /// and energies, and gives the rest of the results as one process does, bit for bit. Throws
+  /// InputError if they differ, or naming what of the scene they cannot share. They must outlive
+  /// the run.
   Simulation(const Scene& scene, PluginHost& host, Diagnostics& diagnostics, bool skip = true,
-             std::shared_ptr<OutputFolder> folder = nullptr, bool check_plugins = false);
+             std::shared_ptr<OutputFolder> folder = nullptr, bool check_plugins = false,
+             Communicator* processes = nullptr);
   ~Simulation();
 
   /// Resumes from a checkpoint of a run of this scene, read from `file`; call before anything else.
   /// Throws InputError with the reason if that is not possible.
   void resume(const Checkpoint& checkpoint, const std::filesystem::path& file);
-
-  /// From now on several processes make the run together: each builds the same body, computes a
-  /// part of its forces and energies, and gives the rest of the results as one process does, bit
-  /// for bit. Call before resume(), in all of them. Throws InputError if they differ, or naming
-  /// what of the scene they cannot share. The communicator must outlive the run.
-  void share(Communicator& processes);
 
   /// Runs to the end, writes frames and tables. Throws NumericalError (frames written earlier
   /// remain; no frame shows an invalid state) and IoError. If interrupted, finishes the step,

@@ -50,6 +50,7 @@ class StepLimits : private Follower {
   void state(Archive& archive);
 
  private:
+  void before(const ComingOperation&) override { search_.complete(); }
   void follow(const CellComplex& complex, const TopologyChange& change) override;
   bool bound_next_vertices(double time);
 

@@ -14,8 +14,6 @@
 namespace suture {
 namespace {
 
-using Vector = std::vector<float>;
-
 constexpr double tolerance = 0.03;  // of the eigenvalue; half of it on the step
 constexpr double exact = 1e-3;      // a residual that single precision can still trust
 constexpr int max_search_iterations = 80;
@@ -36,7 +34,7 @@ int iterations_from_random(std::size_t n) {
 }
 
 /// In eight sums: one alone waits for each addition, and took longer than a derivative.
-double inner_product(const Vector& a, const Vector& b) {
+double sum_of_products(std::span<const float> a, std::span<const float> b) {
   std::array<double, 8> sums{};
   std::size_t i = 0;
   for (; i + 8 <= a.size(); i += 8)
@@ -45,25 +43,90 @@ double inner_product(const Vector& a, const Vector& b) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
-double length(const Vector& a) { return std::sqrt(inner_product(a, a)); }
-
-/// a = s a + t b
-void combine(double s, Vector& a, double t, const Vector& b) {
-  for (std::size_t i = 0; i < a.size(); ++i)
-    a[i] = static_cast<float>(s * static_cast<double>(a[i]) + t * static_cast<double>(b[i]));
-}
-
 }  // namespace
 
-void StepSearch::Direction::scale(double s) {
-  combine(s, v, 0, v);
-  combine(s, image, 0, image);
+// ------------------------------------------------------------------ vectors --
+
+bool StepSearch::may_divide() const {
+  bool is_stiff = false;
+  for_each_with<TangentTerm>(body_.loads(),
+                             [&](const TangentTerm& term) { is_stiff |= term.is_stiff(); });
+  return body_.models().may_divide() && !is_stiff;
 }
 
-void StepSearch::Direction::add(double t, const Direction& other) {
-  combine(1, v, t, other.v);
-  combine(1, image, t, other.image);
+void StepSearch::take_share() {
+  is_divided_ = may_divide();
+  if (!is_divided_) {
+    complete();
+    ranges_.assign(1, {0, body_.attributes().vertex_count()});
+    return;
+  }
+  BodyShare& share = *body_.share();
+  if (!body_.models().knows_share()) body_.models().find_share();
+  ranges_.assign(share.own().begin(), share.own().end());
+  ranges_.push_back({share.common_begin(), body_.attributes().vertex_count()});
+  if (has_all_rows_)
+    for (Vector* values : {&mode_.v, &mode_.image, &difference_.v, &difference_.image})
+      if (!values->empty()) share.release({values->data(), 3});
+  has_all_rows_ = false;
 }
+
+void StepSearch::complete() {
+  if (!has_all_rows_)
+    for (Vector* values : {&mode_.v, &mode_.image, &difference_.v, &difference_.image})
+      if (!values->empty()) body_.share()->complete({values->data(), 3});
+  has_all_rows_ = true;
+}
+
+template <class Visit>
+void StepSearch::for_each_number(Visit visit) const {
+  for (const auto& [begin, end] : ranges_)
+    for (std::size_t i = 3 * std::size_t{begin}; i < 3 * std::size_t{end}; ++i) visit(i);
+}
+
+/// a = s a + t b
+void StepSearch::combine(double s, Vector& a, double t, const Vector& b) const {
+  float* const to = a.data();
+  const float* const other = b.data();
+  for_each_number([=](std::size_t i) {
+    to[i] = static_cast<float>(s * static_cast<double>(to[i]) + t * static_cast<double>(other[i]));
+  });
+}
+
+void StepSearch::scale(Direction& direction, double s) const {
+  combine(s, direction.v, 0, direction.v);
+  if (!direction.image.empty()) combine(s, direction.image, 0, direction.image);
+}
+
+void StepSearch::add(Direction& direction, double t, const Direction& other) const {
+  combine(1, direction.v, t, other.v);
+  combine(1, direction.image, t, other.image);
+}
+
+/// Summed by blocks of vertices, in their order. One exchange.
+std::vector<double> StepSearch::inner_products(std::span<const Factors> factors) {
+  constexpr Index block = BodyShare::block;
+  const std::size_t vertices = scale_.size() / 3, width = factors.size();
+  std::vector<double> sums((vertices + block - 1) / block * width);
+  for (const auto& [begin, end] : ranges_)
+    for (Index first = begin; first < end; first += block) {
+      const std::size_t at = 3 * std::size_t{first}, size = 3 * std::min(block, end - first);
+      for (std::size_t i = 0; i < width; ++i)
+        sums[first / block * width + i] = sum_of_products({factors[i].one.data() + at, size},
+                                                          {factors[i].other.data() + at, size});
+    }
+  if (is_divided_) body_.share()->join_blocks(sums, width, true);
+  std::vector<double> totals(width);
+  for (std::size_t i = 0; i < sums.size(); ++i) totals[i % width] += sums[i];
+  return totals;
+}
+
+double StepSearch::inner_product(const Vector& a, const Vector& b) {
+  const Factors factors{a, b};
+  return inner_products({&factors, 1})[0];
+}
+
+double StepSearch::length(const Vector& a) { return std::sqrt(inner_product(a, a)); }
 
 /// The new vertex moves as the one that it separated from.
 void StepSearch::Direction::follow(const Split& split) {
@@ -100,10 +163,9 @@ bool StepSearch::advance(double time) {
 
 /// True if the search is over. One directional derivative, or those that take_eigenvalue() needs.
 bool StepSearch::iterate() {
-  if (std::ranges::none_of(scale_, [](float scale) { return scale > 0; }))
-    return finish(std::numeric_limits<double>::infinity());  // nothing is free
+  if (!is_free()) return finish(std::numeric_limits<double>::infinity());  // nothing is free
   if (stage_ == Stage::begun) start();
-  mode_.scale(1 / length(mode_.v));
+  scale(mode_, 1 / length(mode_.v));
   if (mode_.image.empty()) {
     apply(mode_.v, stiffness_, damping_, mode_.image);
     image_age_ = 0;
@@ -183,10 +245,9 @@ bool StepSearch::finish(double dt) {
   result_ = dt;
   stage_ = Stage::begun;
   // Gives the memory back, which = {} would not.
-  for (Vector* values :
-       {&mode_.image, &residual_.v, &residual_.image, &difference_.v, &difference_.image, &scale_})
+  for (Vector* values : {&mode_.image, &residual_.v, &residual_.image, &difference_.v,
+                         &difference_.image, &scale_, &rows_, &image_rows_})
     *values = Vector();
-  rows_ = image_rows_ = AlignedVector<float>();
   return true;
 }
 
@@ -195,7 +256,8 @@ bool StepSearch::finish(double dt) {
 /// The residual of the mode, and its Rayleigh quotient.
 void StepSearch::find_residual() {
   found_.value = inner_product(mode_.v, mode_.image);
-  residual_.v = mode_.image;
+  residual_.v.resize(mode_.image.size());
+  for_each_number([&](std::size_t i) { residual_.v[i] = mode_.image[i]; });
   combine(1, residual_.v, -found_.value, mode_.v);
   found_.upper = found_.value + length(residual_.v);
 }
@@ -214,64 +276,101 @@ void StepSearch::step_to_best() {
   apply(residual_.v, stiffness_, damping_, residual_.image);
   std::vector<Direction*> basis{&mode_, &residual_};
   if (!difference_.v.empty()) {
-    difference_.scale(1 / length(difference_.v));
+    scale(difference_, 1 / length(difference_.v));
     for (const Direction* other : {&mode_, &residual_})
-      difference_.add(-inner_product(difference_.v, other->v), *other);
+      add(difference_, -inner_product(difference_.v, other->v), *other);
     // What little is left of a direction that the others span is rounding.
     if (length(difference_.v) > 0.01) basis.push_back(&difference_);
   }
   const auto size = static_cast<Eigen::Index>(basis.size());
+  std::vector<Factors> factors;
+  for (std::size_t i = 0; i < basis.size(); ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      factors.push_back({basis[i]->v, basis[j]->v});
+      factors.push_back({basis[i]->v, basis[j]->image});
+    }
+  const std::vector<double> products = inner_products(factors);
   Eigen::MatrixXd gram(size, size), ritz(size, size);
+  auto next = products.begin();
   for (Eigen::Index i = 0; i < size; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) {
-      gram(i, j) = gram(j, i) = inner_product(basis[i]->v, basis[j]->v);
-      ritz(i, j) = ritz(j, i) = inner_product(basis[i]->v, basis[j]->image);
+      gram(i, j) = gram(j, i) = *next++;
+      ritz(i, j) = ritz(j, i) = *next++;
     }
   const Eigen::VectorXd best = symmetric_eigen(ritz, gram).vectors.col(size - 1);
-  residual_.scale(best[1]);
-  if (size == 3) residual_.add(best[2], difference_);
+  scale(residual_, best[1]);
+  if (size == 3) add(residual_, best[2], difference_);
   std::swap(difference_, residual_);
-  mode_.scale(best[0]);
-  mode_.add(1, difference_);
+  scale(mode_, best[0]);
+  add(mode_, 1, difference_);
 }
 
-/// 1/sqrt(m) from masses and fixed components. Nothing moves where it is 0.
+namespace {
+
+/// 1/sqrt(m) of a component of a vertex, 0 where nothing moves.
+float scale_of(std::size_t v, std::size_t c, const double* mass, const double* fixed) {
+  const int bits = mass[v] > 0 ? static_cast<int>(fixed[v]) : 7;
+  return bits >> c & 1 ? 0 : static_cast<float>(1 / std::sqrt(mass[v]));
+}
+
+}  // namespace
+
 void StepSearch::set_scales() {
-  const std::size_t vertices = body_.attributes().vertex_count();
+  take_share();
   const double* mass = body_.attributes().mass().rows();
   const double* fixed = body_.attributes().fixed().rows();
-  scale_.resize(3 * vertices);
-  for (std::size_t v = 0; v < vertices; ++v) {
-    const int bits = mass[v] > 0 ? static_cast<int>(fixed[v]) : 7;
-    for (std::size_t c = 0; c < 3; ++c)
-      scale_[3 * v + c] = bits >> c & 1 ? 0 : static_cast<float>(1 / std::sqrt(mass[v]));
-  }
+  scale_.resize(3 * std::size_t{body_.attributes().vertex_count()});
+  for_each_number([&](std::size_t i) { scale_[i] = scale_of(i / 3, i % 3, mass, fixed); });
   for (Vector* values : {&mode_.v, &mode_.image, &difference_.v, &difference_.image}) {
     if (values->empty()) continue;
     values->resize(scale_.size());
-    for (std::size_t i = 0; i < values->size(); ++i)
+    for_each_number([&](std::size_t i) {
       if (scale_[i] == 0) (*values)[i] = 0;
+    });
   }
 }
 
-/// Between -1/2 and 1/2; 0 where nothing moves.
-float StepSearch::random_number(std::size_t i) {
-  const double number = (random_() - 2147483647.5) / 4294967296.0;
-  return scale_[i] == 0 ? 0.0F : static_cast<float>(number);
+/// Whether anything moves, here or on another process.
+bool StepSearch::is_free() const {
+  const double* mass = body_.attributes().mass().rows();
+  const double* fixed = body_.attributes().fixed().rows();
+  for (std::size_t i = 0; i < scale_.size(); ++i)
+    if (scale_of(i / 3, i % 3, mass, fixed) > 0) return true;
+  return false;
 }
 
+/// Between -1/2 and 1/2.
+float StepSearch::random_number() {
+  return static_cast<float>((random_() - 2147483647.5) / 4294967296.0);
+}
+
+/// Every process draws the numbers of all.
 void StepSearch::start_at_random() {
   random_.seed();
   mode_.v.resize(scale_.size());
-  for (std::size_t i = 0; i < mode_.v.size(); ++i) mode_.v[i] = random_number(i);
+  std::size_t next = 0;
+  const auto skip_to = [&](std::size_t i) { random_.discard(i - std::exchange(next, i)); };
+  for_each_number([&](std::size_t i) {
+    skip_to(i);
+    const float number = random_number();
+    ++next;
+    mode_.v[i] = scale_[i] == 0 ? 0 : number;
+  });
+  skip_to(scale_.size());
 }
 
 /// As large at the vertices that changed as the mode is in all.
 void StepSearch::start_at_last() {
   const double size = length(mode_.v) / std::sqrt(static_cast<double>(changed_.size()) + 1) * 2;
-  for (const Index v : changed_)
-    for (std::size_t i = 3 * std::size_t{v}; i < 3 * std::size_t{v} + 3; ++i)
-      mode_.v[i] += static_cast<float>(size * static_cast<double>(random_number(i)));
+  for (const Index v : changed_) {
+    const bool is_mine = std::ranges::any_of(
+        ranges_, [v](const loops::Rows& range) { return range.begin <= v && v < range.end; });
+    for (std::size_t i = 3 * std::size_t{v}; i < 3 * std::size_t{v} + 3; ++i) {
+      const float number = random_number();
+      if (is_mine && scale_[i] != 0)
+        mode_.v[i] += static_cast<float>(size * static_cast<double>(number));
+    }
+  }
   if (!(length(mode_.v) > 0)) start_at_random();
 }
 
@@ -286,14 +385,25 @@ void StepSearch::follow(const TopologyChange& change) {
 
 /// image = M^-1/2 (stiffness K + damping C) M^-1/2 x
 void StepSearch::apply(const Vector& x, double stiffness, double damping, Vector& image) {
-  rows_.assign(x.size() / 3 * 4, 0);
-  image_rows_.assign(rows_.size(), 0);
-  for (std::size_t i = 0; i < x.size(); ++i) rows_[i / 3 * 4 + i % 3] = scale_[i] * x[i];
-  body_.models().add_tangent(rows_.data(), stiffness, damping, time_, image_rows_.data());
+  rows_.resize(x.size() / 3 * 4);
+  image_rows_.resize(rows_.size());
+  const auto row_of = [](std::size_t i) { return i / 3 * 4 + i % 3; };
+  for_each_number([&](std::size_t i) {
+    rows_[row_of(i)] = scale_[i] * x[i];
+    image_rows_[row_of(i)] = 0;
+  });
+  if (is_divided_) {
+    BodyShare& share = *body_.share();
+    share.join_borders({rows_.data(), 4});
+    for (const Index v : share.borders()) std::fill_n(&image_rows_[std::size_t{v} * 4], 4, 0.0F);
+    body_.models().add_own_tangent(rows_.data(), stiffness, damping, time_, image_rows_.data());
+  } else {
+    body_.models().add_tangent(rows_.data(), stiffness, damping, time_, image_rows_.data());
+  }
   image.resize(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) image[i] = image_rows_[i / 3 * 4 + i % 3];
+  for_each_number([&](std::size_t i) { image[i] = image_rows_[row_of(i)]; });
   add_other_terms(stiffness, damping, image);
-  for (std::size_t i = 0; i < x.size(); ++i) image[i] *= -scale_[i];
+  for_each_number([&](std::size_t i) { image[i] *= -scale_[i]; });
 }
 
 /// In double, as their interface has it.
@@ -315,6 +425,10 @@ double StepSearch::quotient(double stiffness, double damping) {
 }
 
 void StepSearch::state(Archive& archive) {
+  if (archive.loads())
+    has_all_rows_ = true;
+  else
+    complete();
   archive("searches", searches_);
   archive("last", result_);
   archive("mode", mode_.v);

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "kernel/dynamics/hourglass.hpp"
+#include "kernel/forces/body_share.hpp"
 #include "kernel/geometry/centroid.hpp"
 
 namespace suture {
@@ -32,7 +33,17 @@ Vec3 centre_of(BuiltScene& built, Index element) {
 
 }  // namespace
 
+/// Process 0 reports it.
 std::string hourglass_warning(const Scene& scene, BuiltScene& built, bool at_rest) {
+  const auto resists = [](const ModelUse& use) {
+    return (use.model->flags & SUTURE_CONTINUUM) != 0;
+  };
+  if (!at_rest && std::ranges::all_of(scene.models, resists)) return "";
+  PartialRows& partial = built.body().attributes().partial_rows();
+  const BodyShare* const share = built.body().share();
+  built.body().attributes().gather_motion();
+  if (share && share->number() != 0) return "";
+  const PartialRows::OwnIsEnough as_they_are(partial, share != nullptr);
   const Hourglass found = measure_hourglass(built.body().complex(), built.body().attributes());
   Index count = 0, worst = none;
   for (Index e = 0; e < built.body().complex().element_count(); ++e) {

@@ -379,11 +379,9 @@ void StepControl::give_up(const NumericalError& error) {
 }
 
 void StepControl::state(Archive& archive) {
-  Attributes& attributes = built_.body().attributes();
-  if (scene_.checkpoint.enabled) {  // a checkpoint may hold this state, and needs the rows of all
-    attributes.position();
-    attributes.velocity();
-  }
+  const bool is_kept = !archive.loads() && !archive.has_cells();
+  if (is_kept && scene_.checkpoint.enabled)  // which may have this state in it, with all rows
+    built_.body().attributes().gather_motion();
   archive("clock", clock_);
   archive("schedule", schedule_);
   archive("dynamics", built_.dynamics());

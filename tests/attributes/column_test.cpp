@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <cmath>
 #include <cstdint>
 #include <random>
 
@@ -36,6 +37,20 @@ TEST(Column, VertexVectorsLieInAlignedRowsOfFour) {
   EXPECT_EQ(column.rows()[3 * 4 + 3], 0);
   EXPECT_EQ(Column(spec(1), 0).stride(), 1);
   EXPECT_EQ(Column(spec(6), 0).stride(), 6);
+}
+
+TEST(Column, RowsThatComeBackHaveTheInitialValue) {
+  for (const double initial : {0.0, -0.0, 2.5}) {
+    Column column(spec(3, initial), 0);
+    column.resize(9);
+    column.fill(7);
+    column.resize(4);
+    column.resize(9);
+    for (Index row = 0; row < 9; ++row) {
+      EXPECT_EQ(column.get(row, 1), row < 4 ? 7 : initial);
+      EXPECT_EQ(std::signbit(column.get(row, 1)), row >= 4 && std::signbit(initial));
+    }
+  }
 }
 
 TEST(Column, RoomIsMadeWithoutRowsAndKeepsAllValues) {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "kernel/base/zeroed_vector.hpp"
 #include "tests/base/sanitizer.hpp"
 
 namespace suture {
@@ -108,6 +109,29 @@ TEST(Bulk, RoomIsMadeWithoutItemsAndKeepsThoseThereAre) {
   const std::uint32_t* const before = items.data();
   items.resize(101'000);
   EXPECT_EQ(items.data(), before);
+}
+
+TEST(Bulk, WholePagesAreReleasedAndTheirEndsKeepWhatTheyHave) {
+  constexpr std::size_t pages = 5, page = 4096, first = page / 2, end = pages * page - page / 2;
+  ZeroedVector<std::uint8_t> bytes((pages + 1) * page, 7);
+  std::uint8_t* const begin =
+      bytes.data() + (page - reinterpret_cast<std::uintptr_t>(bytes.data()) % page) % page;
+  release_pages(begin + first, end - first);
+  for (std::size_t i = 0; i < pages * page; ++i)
+    ASSERT_EQ(begin[i], i >= page && i < (pages - 1) * page ? 0 : 7) << i;
+}
+
+TEST(Zeroed, NewItemsAreZeroAndAligned) {
+  for (const std::size_t size : {std::size_t{3}, std::size_t{1} << 20}) {
+    ZeroedVector<double> items(size);
+    EXPECT_TRUE(is_aligned(items.data(), 64));
+    for (const double item : items) ASSERT_EQ(item, 0);
+    items.back() = 5;
+    items.resize(3 * size);
+    EXPECT_TRUE(is_aligned(items.data(), 64));
+    EXPECT_EQ(items[size - 1], 5);
+    for (std::size_t i = size; i < items.size(); ++i) ASSERT_EQ(items[i], 0);
+  }
 }
 
 }  // namespace

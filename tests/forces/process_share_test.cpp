@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kernel/base/zeroed_vector.hpp"
 #include "kernel/topology/import.hpp"
 #include "tests/topology/meshes.hpp"
 
@@ -19,6 +20,7 @@ class Alone final : public Communicator {
   unsigned size() const override { return 3; }
   void gather(std::span<const double>, std::span<const int>, double*) override {}
   void complete(double*, std::span<const int>) override {}
+  void collect(std::span<const double>, std::span<const int>, double*) override {}
   std::vector<std::string> gather(const std::string& mine) override { return {mine, mine, mine}; }
   std::vector<std::vector<std::uint32_t>> swap(
       const std::vector<std::vector<std::uint32_t>>&) override {
@@ -74,9 +76,9 @@ class ProcessShares : public ::testing::Test {
   Diagnostics diagnostics_;
   CellComplex complex_ = import_mesh(meshes::grid(30, 30, 30), {}, diagnostics_).complex;
   std::array<Alone, 3> processes_{Alone(0), Alone(1), Alone(2)};
-  std::array<ProcessShare, 3> shares_{ProcessShare(processes_[0], 1),
-                                      ProcessShare(processes_[1], 1),
-                                      ProcessShare(processes_[2], 1)};
+  std::array<ProcessShare, 3> shares_{ProcessShare(processes_[0], 1, complex_),
+                                      ProcessShare(processes_[1], 1, complex_),
+                                      ProcessShare(processes_[2], 1, complex_)};
 };
 
 TEST_F(ProcessShares, TakeTheVerticesOfCuts) {
@@ -94,6 +96,32 @@ TEST_F(ProcessShares, AreEqualAfterARemoval) {
   for (Index e = 0; e < 8000; ++e) elements.push_back(e);
   complex_.pierce(elements);
   follow();
+}
+
+/// Rows that a process does not read take no memory; all others keep their values.
+TEST_F(ProcessShares, ReleaseTheRowsOfOthers) {
+  const Index vertices = complex_.count(0);
+  for (ProcessShare& share : shares_) {
+    std::vector<bool> read(vertices);
+    for (Index v = 0; v < vertices; v += v % 2 == 0 ? 1 : 4095) read[v] = true;
+    share.read(read);
+    std::vector<bool> is_known = read;
+    for (const auto& [begin, end] : share.own())
+      std::fill(is_known.begin() + begin, is_known.begin() + end, true);
+    for (Index v = share.common_begin(); v < vertices; ++v) is_known[v] = true;
+    std::vector<bool> said(vertices);
+    for (const auto& [begin, end] : share.known())
+      std::fill(said.begin() + begin, said.begin() + end, true);
+    EXPECT_EQ(said, is_known);
+    for (const std::size_t width : {3, 4}) {
+      ZeroedVector<double> rows(width * vertices, 1);
+      share.release({rows.data(), width});
+      for (Index v = 0; v < vertices; ++v)
+        for (std::size_t c = 0; c < width && is_known[v]; ++c) ASSERT_EQ(rows[width * v + c], 1);
+      const auto zeros = std::ranges::count(rows, 0);
+      EXPECT_GT(zeros, 0.5 * width * std::ranges::count(is_known, false));
+    }
+  }
 }
 
 }  // namespace

@@ -59,6 +59,27 @@ TEST(SurfaceTree, TheNearestIsThatOfAllOneByOne) {
   }
 }
 
+/// Beyond a corner or the middle of a side, several triangles are as near.
+TEST(SurfaceTree, TheFirstOfThoseAsNearIsFoundFromEverywhere) {
+  const TriangleSurface surface = test::sphere_surface({0, 0, 0}, 0.5, 2);
+  const SurfaceTree tree(surface);
+  const auto count = static_cast<Index>(surface.triangles.size());
+  std::vector<Vec3> places;
+  for (const Triangle& t : surface.triangles) {
+    const Vec3 &a = surface.points[t[0]], &b = surface.points[t[1]];
+    places.insert(places.end(), {scaled(2, a), plus(a, b)});
+  }
+  int ties = 0;
+  for (const Vec3& place : places) {
+    const Index found = tree.nearest(place, 0);
+    for (Index start = 1; start < count; ++start) {
+      ASSERT_EQ(tree.nearest(place, start), found);
+      ties += start != found && distance(surface, start, place) == distance(surface, found, place);
+    }
+  }
+  EXPECT_GT(ties, 0);
+}
+
 TEST(SurfaceTree, EveryTriangleIsInItsOrderOnce) {
   for (const TriangleSurface& surface : surfaces()) {
     const SurfaceTree tree(surface);

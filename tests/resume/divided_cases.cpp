@@ -39,6 +39,22 @@ void add_many_cuts(Json& events, Random& random, double end) {
                         {"along", "faces"}}}});
 }
 
+/// Holds nodes of several processes, and may release them.
+void add_grasp(Json& events, Random& random, double end) {
+  const double at = random.between(0, 0.6) * end;
+  const Json motion{{"path",
+                     {{{"at", 0}},
+                      {{"at", random.between(0.2, 1) * end},
+                       {"translation", {random.between(-0.1, 0.1), 0.05, 0}}}}}};
+  const double from = random.between(0.3, 0.8);
+  Json grasp{{"name", "hand"},
+             {"where", {{"box", {{"min", {from, -100, -100}}, {"max", {100, 100, 100}}}}}}};
+  if (random.chance(0.7)) grasp["move"] = motion;
+  events.push_back({{"at", at}, {"grasp", grasp}});
+  if (random.chance(0.6))
+    events.push_back({{"at", at + random.between(0.1, 0.4) * end}, {"release", "hand"}});
+}
+
 Json models(Random& random) {
   const Json solid{{"model", "tm-faure"}, {"parameters", {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}}}};
   const Json springs{{"model", "mss-baudet"},
@@ -122,13 +138,15 @@ Case divided(Random& random, unsigned index) {
         {{"every", 5},
          {"tear", {{"by", "principal-strain"}, {"above", random.between(0.01, 0.1)}}}});
   if (random.chance(0.2)) add_many_cuts(scene["events"], random, end);
+  if (random.chance(0.25)) add_grasp(scene["events"], random, end);
   const bool divides = scene["events"].dump().find("blade") != std::string::npos;
   for (int i = static_cast<int>(random.between(0, 2.5)); i > 0; --i)
     scene["loads"].push_back(load(random, divides));
   if (random.chance(0.3)) scene["contact"] = contact(random, end);
   result.skips = random.chance(0.7);
   add_output(scene, random);
-  scene["checkpoint"] = {{"every_steps", static_cast<int>(random.between(10, 60))}, {"keep", 3}};
+  if (random.chance(0.8))
+    scene["checkpoint"] = {{"every_steps", static_cast<int>(random.between(10, 60))}, {"keep", 3}};
   return result;
 }
 

@@ -48,6 +48,17 @@ class MpiCommunicator final : public Communicator {
     wait(request);
   }
 
+  void collect(std::span<const double> mine, std::span<const int> counts, double* all) override {
+    find_offsets(counts);
+    note_exchange(mine.size() * sizeof(double));
+    const bool is_in_place = rank_ == 0 && mine.data() == all;
+    MPI_Request request;
+    MPI_Igatherv(is_in_place ? MPI_IN_PLACE : mine.data(), static_cast<int>(mine.size()),
+                 MPI_DOUBLE, all, counts.data(), offsets_.data(), MPI_DOUBLE, 0, MPI_COMM_WORLD,
+                 &request);
+    wait(request);
+  }
+
   std::vector<std::string> gather(const std::string& mine) override {
     const int length = static_cast<int>(mine.size());
     std::vector<int> lengths(offsets_.size());

@@ -4,6 +4,7 @@
 import csv
 import json
 import os
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -178,6 +179,16 @@ class Runs(InFolder):
         os.makedirs("sweep", exist_ok=True)
         self.assertEqual(suture.sweep(bar(), {E: [1e5]}, measure=fragile)["x"], [1])
 
+    def test_control_c_within_a_fork_is_not_lost(self):
+        comes = [True]
+        os.register_at_fork(after_in_parent=lambda: comes and signal.raise_signal(signal.SIGINT))
+        try:
+            with self.assertRaises(KeyboardInterrupt):
+                suture.sweep(bar(), {E: [1e5, 2e5]}, 1, measure=tip)
+        finally:
+            comes.clear()
+        self.assertEqual(len(suture.sweep(bar(), {E: [1e5, 2e5]}, 1, measure=tip)), 2)
+
 
 class CommandLine(InFolder):
     def sweep(self, *words, **options):
@@ -351,7 +362,7 @@ class CommandLine(InFolder):
         self.study(set={"/solver/dt": 1e-6, "/solver/end": 0.3, "/output": False}, output=False,
                    grid={E: [1e5 + i for i in range(8)]})
         self.stop_when(lambda: list(Path(".").glob("out/runs/*/result.json")), "sweep",
-                       "study.json")
+                       "study.json", "--jobs", "2")
         self.assertLess(len(list(Path(".").glob("out/runs/*/result.json"))), 8)
 
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Processes that keep the experiments of a fit between its evaluations."""
 
+import contextlib
 import multiprocessing
 import warnings
 
+from . import _interrupts
 from ._fit_run import Failed, NoDerivatives
 
 # What the parent raises again; all else of a worker is a fault.
@@ -15,17 +17,14 @@ def _serve(experiments, pipe, others):
     for other in others:
         other.close()
     warnings.simplefilter("ignore")  # the parent has shown those of the scene
-    while True:
-        try:
+    with contextlib.suppress(EOFError, ConnectionError, KeyboardInterrupt), _interrupts.taken():
+        while True:
             method, arguments = pipe.recv()
-        except (EOFError, KeyboardInterrupt):
-            return
-        try:
-            pipe.send((None, [getattr(e, method)(*a) for e, a in zip(experiments, arguments)]))
-        except KeyboardInterrupt:
-            return
-        except Exception as error:
-            pipe.send((type(error).__name__, str(error)))
+            try:
+                answer = None, [getattr(e, method)(*a) for e, a in zip(experiments, arguments)]
+            except Exception as error:
+                answer = type(error).__name__, str(error)
+            pipe.send(answer)
 
 
 class Workers:
@@ -45,9 +44,10 @@ class Workers:
                 process = context.Process(
                     target=_serve, args=(self._experiments[i::self._jobs], theirs, others),
                     daemon=True)
-                process.start()
+                with _interrupts.delayed():
+                    process.start()
+                    self._processes.append((process, ours))
                 theirs.close()
-                self._processes.append((process, ours))
         return self
 
     def __exit__(self, *_):

@@ -21,6 +21,7 @@ import warnings
 from multiprocessing import connection
 from pathlib import Path
 
+from . import _interrupts
 from ._errors import exit_code_of_study
 from ._results import TABLES
 from ._scene import is_text, set_texts, source_of, to_json
@@ -228,7 +229,8 @@ class _Study:
 
 def _run_in_child(study, number):
     try:
-        study.run(number)
+        with _interrupts.taken():
+            study.run(number)
     except KeyboardInterrupt:
         os._exit(130)
 
@@ -245,8 +247,9 @@ def _run_all(study, numbers, jobs, report):
         while waiting or running:
             while waiting and len(running) < jobs:
                 process = context.Process(target=_run_in_child, args=(study, waiting.pop()))
-                process.start()
-                running[process.sentinel] = process
+                with _interrupts.delayed():
+                    process.start()
+                    running[process.sentinel] = process
             for sentinel in connection.wait(list(running)):
                 running.pop(sentinel).join()
                 done += 1

@@ -16,7 +16,7 @@ constexpr double on_grid = 1e-3;
 
 /// The spacing where vertices are no grid, in multiples of the edge of a mean element. The wider a
 /// grid is, the fewer coarse nodes an element belongs to, and the more iterations are needed.
-constexpr double width = 1.25;
+constexpr double widening = 1.25;
 
 struct Bounds {
   static constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -113,7 +113,7 @@ NodeGraph vertex_graph(const CellComplex& complex, Attributes& attributes) {
 
   const Vec3 box = box_of(corners_of(graph, 0));
   graph.is_grid = are_on_grid(graph, used, box);
-  const double edge = graph.is_grid ? 0 : width * mean_edge(graph);
+  const double edge = graph.is_grid ? 0 : widening * mean_edge(graph);
   const Vec3 extent = bounds.extent();
   for (std::size_t c = 0; c < 3; ++c)
     graph.spacing[c] = graph.is_grid ? box[c] : fitted(extent[c], edge);

@@ -133,7 +133,11 @@ bool Body::has_loads() const {
 }
 
 bool Body::is_conservative(double time) const {
-  return std::ranges::all_of(terms_, [&](const auto& term) {
+  return models_->is_conservative(time) && has_conservative_loads(time);
+}
+
+bool Body::has_conservative_loads(double time) const {
+  return std::ranges::all_of(loads(), [&](const auto& term) {
     auto* tangent = dynamic_cast<TangentTerm*>(term.get());
     return !tangent || tangent->is_conservative(time);
   });

@@ -113,10 +113,11 @@ class Body {
   double energy(double time) const;      ///< stored by all terms, J
   double potential(double time) const;   ///< of all terms, J
   // For the loads:
-  bool has_loads() const;                   ///< some term adds to rows
-  bool is_conservative(double time) const;  ///< TangentTerm::is_conservative() of all terms
-  bool has_transpose(double time) const;    ///< TangentTerm::has_transpose() of all terms
-  double last_change() const;               ///< when the last ramp and motion ends, s
+  bool has_loads() const;                          ///< some term adds to rows
+  bool is_conservative(double time) const;         ///< TangentTerm::is_conservative() of all terms
+  bool has_conservative_loads(double time) const;  ///< the same of all loads
+  bool has_transpose(double time) const;           ///< TangentTerm::has_transpose() of all terms
+  double last_change() const;                      ///< when the last ramp and motion ends, s
   /// Some component of some vertex with mass is not prescribed. O(vertices).
   bool has_free_vertices();
   /// out += K d with K = df/dx of all terms that have a tangent; 3 numbers per vertex.

@@ -303,7 +303,7 @@ bool is_symmetric(const CellTangents& cells) {
 
 bool ForceLoop::is_conservative(double time) {
   if (!has_tangent()) return true;
-  constexpr Index sample = 64;
+  constexpr Index sample = 24;
   const Index stride = impl_->complex->element_count() / sample + 1;
   Index cells = 0, functor = none;
   bool result = true;

@@ -60,7 +60,7 @@ class TangentTerm {
   /// False if add_tangent() cannot be called, as a model has no derivatives.
   virtual bool has_tangent() const { return true; }
   /// True if the whole tangent on the free components is symmetric. False for pressures up to a
-  /// free edge, and for models whose forces have no energy: the matrices of a sample of 64 cells
+  /// free edge, and for models whose forces have no energy: the matrices of a sample of 24 cells
   /// per functor are computed at the current state.
   virtual bool is_conservative(double /*time*/) { return true; }
   /// True if the transpose of the whole tangent is add_tangent() minus add_skew_tangent().

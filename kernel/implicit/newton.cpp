@@ -95,10 +95,12 @@ void Newton::add_loads(const LoadTime& load) {
 }
 
 bool Newton::is_symmetric(const StepEquations& equations) const {
-  const Body& body = motion_.body();
+  Body& body = motion_.body();
   if (equations.loads.empty()) return body.is_conservative(equations.time);
-  return std::ranges::all_of(equations.loads,
-                             [&](const LoadTime& load) { return body.is_conservative(load.time); });
+  return body.models().is_conservative(equations.time) &&
+         std::ranges::all_of(equations.loads, [&](const LoadTime& load) {
+           return body.has_conservative_loads(load.time);
+         });
 }
 
 /// Positions: start + step * direction.

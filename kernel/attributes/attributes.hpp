@@ -98,9 +98,9 @@ class Attributes {
   Column& velocity() { return partial_rows_.whole(PartialRows::velocity, *velocity_); }
   Column& force() { return partial_rows_.whole(PartialRows::force, *force_); }
   PartialRows& partial_rows() { return partial_rows_; }
-  /// Process 0 of several gets all positions and velocities, for files that it writes.
+  /// Process 0 of several gets all positions and velocities, for files that it writes. Not forces:
+  /// those at vertices of others have to be cleared before the next are added.
   void gather_motion();
-  void gather_forces();                                 ///< the same
   Column& mass() { return *mass_; }                     ///< kg, rows of 1
   Column& fixed() { return *fixed_; }                   ///< rows of 1
   Index vertex_count() const { return mass_->size(); }  ///< rows, dead ones included

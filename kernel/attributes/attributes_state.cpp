@@ -155,7 +155,7 @@ void Attributes::state(Archive& archive) {
       complete_rows();
     } else {
       gather_motion();
-      gather_forces();
+      force();
     }
     const bool opens_lips =  // when it is built
         std::ranges::any_of(instances_, [](const auto& i) { return !i->lips.empty(); });
@@ -177,8 +177,6 @@ void Attributes::gather_motion() {
   partial_rows_.gather(PartialRows::position, *position_);
   partial_rows_.gather(PartialRows::velocity, *velocity_);
 }
-
-void Attributes::gather_forces() { partial_rows_.gather(PartialRows::force, *force_); }
 
 /// Operations change the others of the kernel's columns only.
 void Attributes::kernel_tables(Archive& archive) {

@@ -146,13 +146,18 @@ void release_zeroed(void* block, std::size_t bytes) noexcept {
     ::operator delete(block, zeroed_alignment);
 }
 
-void release_pages(void* begin, std::size_t bytes) noexcept {
+void clear_pages(void* begin, std::size_t bytes) noexcept {
   const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  const auto clear = [](std::uintptr_t from, std::uintptr_t to) {
+    std::memset(reinterpret_cast<void*>(from), 0, to - from);
+  };
   const auto from = reinterpret_cast<std::uintptr_t>(begin), to = from + bytes;
   const std::uintptr_t first = (from + page - 1) / page * page, last = to / page * page;
-  // Where the system refuses, as for locked pages, they are cleared like the others.
-  if (first < last && madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED) != 0)
-    std::memset(reinterpret_cast<void*>(first), 0, last - first);
+  if (first >= last) return clear(from, to);
+  clear(from, first);
+  clear(last, to);
+  // The system may refuse, as for locked pages.
+  if (madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED) != 0) clear(first, last);
 }
 
 void touch_pages(void* begin, std::size_t bytes) noexcept {

@@ -32,8 +32,8 @@ void release_spare_bulk() noexcept;
 void* allocate_zeroed(std::size_t bytes);
 void release_zeroed(void* block, std::size_t bytes) noexcept;
 
-/// Returns the memory of the whole pages of a range to the system: their contents become 0.
-void release_pages(void* begin, std::size_t bytes) noexcept;
+/// The contents of a range become 0, and the memory of its whole pages returns to the system.
+void clear_pages(void* begin, std::size_t bytes) noexcept;
 
 /// Writes to each page of a range whose contents do not matter.
 void touch_pages(void* begin, std::size_t bytes) noexcept;

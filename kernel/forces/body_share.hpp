@@ -77,7 +77,7 @@ class BodyShare {
   virtual void join_borders(VertexRows rows) = 0;
   /// Own and common vertices, and borders().
   virtual std::span<const PartialRows::Range> known() const = 0;
-  /// All other rows become 0 where they fill pages, and take no memory.
+  /// All other rows become 0, and take no memory where they fill pages.
   virtual void release(VertexRows rows) const = 0;
   /// The same for rows of `width` numbers, one per block of vertices, on all processes. Returns
   /// whether all of them are `good`.

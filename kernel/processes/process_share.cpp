@@ -152,7 +152,7 @@ void ProcessShare::read(const std::vector<bool>& vertices) {
 void ProcessShare::release(VertexRows rows) const {
   Index first = 0;
   const auto release_until = [&](Index end) {
-    if (first < end) release_pages(rows.data + first * rows.bytes, (end - first) * rows.bytes);
+    if (first < end) clear_pages(rows.data + first * rows.bytes, (end - first) * rows.bytes);
   };
   for (const auto& [begin, end] : known_) {
     release_until(begin);

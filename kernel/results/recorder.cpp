@@ -192,7 +192,7 @@ bool Recorder::process_0_fills_frames(std::uint64_t step, double time, const Vec
 void Recorder::gather_rows() {
   Attributes& attributes = built_.body().attributes();
   attributes.gather_motion();
-  if (frames_need_force_ || !built_.skips()) attributes.gather_forces();
+  if (frames_need_force_ || !built_.skips()) attributes.force();
 }
 
 void Recorder::mode(double time, const Vec3& gravity, const std::vector<Vec3>& shape) {

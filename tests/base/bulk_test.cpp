@@ -111,14 +111,16 @@ TEST(Bulk, RoomIsMadeWithoutItemsAndKeepsThoseThereAre) {
   EXPECT_EQ(items.data(), before);
 }
 
-TEST(Bulk, WholePagesAreReleasedAndTheirEndsKeepWhatTheyHave) {
+TEST(Bulk, RangesAreClearedWhetherTheyFillPagesOrNot) {
   constexpr std::size_t pages = 5, page = 4096, first = page / 2, end = pages * page - page / 2;
   ZeroedVector<std::uint8_t> bytes((pages + 1) * page, 7);
   std::uint8_t* const begin =
       bytes.data() + (page - reinterpret_cast<std::uintptr_t>(bytes.data()) % page) % page;
-  release_pages(begin + first, end - first);
+  clear_pages(begin + first, end - first);
   for (std::size_t i = 0; i < pages * page; ++i)
-    ASSERT_EQ(begin[i], i >= page && i < (pages - 1) * page ? 0 : 7) << i;
+    ASSERT_EQ(begin[i], i >= first && i < end ? 0 : 7) << i;
+  clear_pages(begin + 10, 20);
+  for (std::size_t i = 0; i < first; ++i) ASSERT_EQ(begin[i], i >= 10 && i < 30 ? 0 : 7) << i;
 }
 
 TEST(Zeroed, NewItemsAreZeroAndAligned) {

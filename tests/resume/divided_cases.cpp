@@ -145,8 +145,11 @@ Case divided(Random& random, unsigned index) {
   if (random.chance(0.3)) scene["contact"] = contact(random, end);
   result.skips = random.chance(0.7);
   add_output(scene, random);
-  if (random.chance(0.8))
-    scene["checkpoint"] = {{"every_steps", static_cast<int>(random.between(10, 60))}, {"keep", 3}};
+  if (random.chance(0.8)) {
+    const int steps = random.chance(0.5) ? random.pick(std::vector{4, 8, 16, 32})
+                                         : static_cast<int>(random.between(10, 60));
+    scene["checkpoint"] = {{"every_steps", steps}, {"keep", 3}};
+  }
   return result;
 }
 

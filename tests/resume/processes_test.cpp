@@ -104,6 +104,9 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
   std::cout << shared << " runs shared, " << refused << " scenes refused\n";
 }
 
+/// At most so many bytes of two checkpoints differ: the identity of the run, its folder and time.
+constexpr std::size_t of_run = 200;
+
 /// Bytes that differ between two files, or all if their sizes do.
 std::size_t different_bytes(const fs::path& one, const fs::path& other) {
   const std::string a = read_text(one), b = read_text(other);
@@ -117,7 +120,6 @@ std::size_t different_bytes(const fs::path& one, const fs::path& other) {
 /// checkpoints.
 TEST_F(Together, TheyDivideThePasses) {
   const std::vector<unsigned> numbers{2, 3, 4, 7};
-  constexpr std::size_t of_run = 200;  // bytes of its identity, folder and time in a checkpoint
   const auto start = std::chrono::steady_clock::now();
   unsigned runs = 0, resumed = 0;
   for (unsigned index = 0; index < 200; ++index) {
@@ -141,7 +143,10 @@ TEST_F(Together, TheyDivideThePasses) {
       const fs::path newest = newest_checkpoint(out);
       EXPECT_EQ(newest.filename(), newest_checkpoint(alone).filename());
       if (newest.empty()) continue;
-      EXPECT_LT(different_bytes(alone / newest.filename(), newest), of_run);
+      for (const std::uint64_t number : checkpoints_in(out))
+        EXPECT_LT(different_bytes(alone / checkpoint_name(number), out / checkpoint_name(number)),
+                  of_run)
+            << number;
       if (random.chance(0.5)) continue;
       const std::vector<std::string> resume{"--resume", "out/" + newest.filename().string()};
       EXPECT_EQ(run(what, resume, random.pick(numbers), there), code) << said(there);
@@ -151,6 +156,30 @@ TEST_F(Together, TheyDivideThePasses) {
     fs::remove_all(at);
   }
   std::cout << runs << " runs, " << resumed << " resumed\n";
+}
+
+/// Checkpoints at and after steps at which forces are checked, without a frame between them.
+TEST_F(Together, CheckpointsHaveTheForcesOfOne) {
+  const Case what{"forces", Json::parse(R"({
+    "suture": 2,
+    "mesh": {"box": {"size": [1, 1, 1], "cells": [21, 21, 21]}},
+    "models": [{"model": "tm-faure", "parameters": {"E": 1e5, "nu": 0.3, "rho": 1000}}],
+    "gravity": [0, -10, 0],
+    "constraints": [{"where": {"set": "x0"}, "fix": "xyz"}],
+    "solver": {"end": 0.076, "dt": 1e-3},
+    "output": {"directory": "out", "every": 1},
+    "checkpoint": {"every_steps": 4, "keep": 1000}})")};
+  const fs::path at = folder_ / "case", alone = at / "alone", there = at / "there";
+  write_case(what, at);
+  EXPECT_EQ(run(what, {at / "scene.json"}, 0, alone), 0) << said(alone);
+  EXPECT_EQ(run(what, {at / "scene.json"}, 2, there), 0) << said(there);
+  const std::vector<std::uint64_t> numbers = checkpoints_in(there / "out");
+  EXPECT_GE(numbers.size(), 18u);
+  for (const std::uint64_t number : numbers)
+    EXPECT_LT(different_bytes(alone / "out" / checkpoint_name(number),
+                              there / "out" / checkpoint_name(number)),
+              of_run)
+        << number;
 }
 
 /// Loads and contact are computed by all, at positions that all of them have: the passes are

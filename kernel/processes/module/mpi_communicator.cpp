@@ -50,7 +50,7 @@ class MpiCommunicator final : public Communicator {
 
   void collect(std::span<const double> mine, std::span<const int> counts, double* all) override {
     find_offsets(counts);
-    note_exchange(mine.size() * sizeof(double));
+    note_exchange(rank_ == 0 ? 0 : mine.size() * sizeof(double));
     const bool is_in_place = rank_ == 0 && mine.data() == all;
     MPI_Request request;
     MPI_Igatherv(is_in_place ? MPI_IN_PLACE : mine.data(), static_cast<int>(mine.size()),

@@ -121,12 +121,14 @@ class CellUnion {
   std::vector<Index> first_;  ///< per point, the first share
 };
 
-/// For every node, the last one before it at the same place, or `none`: the other side of a slit.
-std::vector<Index> earlier_copies(const NodeGraph& graph) {
+/// For every node of a cell, the last one before it at the same place, or `none`: the other side of
+/// a slit. Nodes without a cell have no place of their own.
+std::vector<Index> earlier_copies(const NodeGraph& graph, const Shares& shares) {
   std::size_t size = 16;
   while (size < 2 * graph.places.size()) size *= 2;
   std::vector<Index> table(size, none), earlier(graph.nodes(), none);
   for (Index node = 0; node < graph.nodes(); ++node) {
+    if (shares.begin(node) == shares.end(node)) continue;
     const Vec3& place = graph.places[node];
     std::uint64_t hash = 0;
     for (const double x : place)
@@ -198,14 +200,13 @@ class SlitEnds {
   }
   /// Those with shares of two nodes at the same place.
   bool find_sets(const NodeGraph& fine) {
-    const std::vector<Index> earlier = earlier_copies(fine);
+    const std::vector<Index> earlier = earlier_copies(fine, shares_);
     std::vector<bool> is_found(shares_.size());
     bool found = false;
     for (Index node = 0; node < fine.nodes(); ++node)
       for (Index other = earlier[node]; other != none; other = earlier[other]) {
-        const Index first = shares_.begin(node), count = shares_.end(node) - first;
-        if (shares_.end(other) - shares_.begin(other) != count) continue;  // of no cell
-        for (Index i = 0; i < count; ++i) {
+        const Index first = shares_.begin(node);
+        for (Index i = 0; first + i < shares_.end(node); ++i) {
           const std::size_t set = sets_.find(first + i);
           if (set != sets_.find(shares_.begin(other) + i)) continue;
           is_found[set] = found = true;

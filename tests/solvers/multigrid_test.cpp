@@ -108,7 +108,11 @@ TEST(Multigrid, ASlitSeparatesCoarseNodes) {
   SolverBody whole(unit_box({4, 2, 8})), cut(unit_box({4, 2, 8}), {.is_cut = slit});
   EXPECT_EQ(coarsen(vertex_graph(whole.complex(), whole.attributes())).coarse.nodes(), 3u * 2 * 5);
   // The slit opens above z = 4: two more nodes at z = 6 and at z = 8, on each of its sides.
-  EXPECT_EQ(coarsen(vertex_graph(cut.complex(), cut.attributes())).coarse.nodes(), 3u * 2 * 5 + 4);
+  NodeGraph graph = vertex_graph(cut.complex(), cut.attributes());
+  EXPECT_EQ(coarsen(graph).coarse.nodes(), 3u * 2 * 5 + 4);
+  // Vertices of removed elements have no place: pairs of them would take minutes.
+  graph.places.resize(graph.places.size() + 500'000);
+  EXPECT_EQ(coarsen(graph).coarse.nodes(), 3u * 2 * 5 + 4);
 }
 
 // The coarse nodes nearest to the end of a slit would otherwise hold its sides together.

@@ -36,18 +36,12 @@ class Workers:
         self._processes = []
 
     def __enter__(self):
-        if self._jobs > 1:
-            context = multiprocessing.get_context("fork")
-            for i in range(self._jobs):
-                ours, theirs = context.Pipe()
-                others = [ours, *(pipe for _, pipe in self._processes)]
-                process = context.Process(
-                    target=_serve, args=(self._experiments[i::self._jobs], theirs, others),
-                    daemon=True)
-                with _interrupts.delayed():
-                    process.start()
-                    self._processes.append((process, ours))
-                theirs.close()
+        try:
+            for i in range(self._jobs if self._jobs > 1 else 0):
+                self._start(self._experiments[i::self._jobs])
+        except BaseException:  # KeyboardInterrupt, too
+            self.__exit__()
+            raise
         return self
 
     def __exit__(self, *_):
@@ -56,6 +50,16 @@ class Workers:
             process.terminate()
             process.join()
         self._processes = []
+
+    def _start(self, experiments):
+        context = multiprocessing.get_context("fork")
+        ours, theirs = context.Pipe()
+        others = [ours, *(pipe for _, pipe in self._processes)]
+        process = context.Process(target=_serve, args=(experiments, theirs, others), daemon=True)
+        with _interrupts.delayed():
+            process.start()
+            self._processes.append((process, ours))
+        theirs.close()
 
     def call(self, method, arguments):
         """The results of a method of each experiment, whose arguments are in a list."""

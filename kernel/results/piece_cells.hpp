@@ -26,13 +26,13 @@ class ShownCells {
  public:
   explicit ShownCells(Index count) : size_(count) {}
   explicit ShownCells(const std::vector<Index>& list)
-      : list_(list.data()), size_(static_cast<Index>(list.size())) {}
+      : is_all_(false), list_(list.data()), size_(static_cast<Index>(list.size())) {}
 
   Index size() const { return size_; }
-  Index operator[](Index place) const { return list_ ? list_[place] : place; }
+  Index operator[](Index place) const { return is_all_ ? place : list_[place]; }
   /// `none` if the cell is not shown.
   Index place(Index cell) const {
-    if (!list_) return cell;
+    if (is_all_) return cell;
     if (size_ == 0 || cell < list_[0] || cell > list_[size_ - 1]) return none;
     if (const Index consecutive = cell - list_[0]; consecutive < size_)
       if (list_[consecutive] == cell) return consecutive;
@@ -41,7 +41,8 @@ class ShownCells {
   }
 
  private:
-  const Index* list_ = nullptr;
+  bool is_all_ = true;
+  const Index* list_ = nullptr;  ///< of an empty list, too
   Index size_;
 };
 

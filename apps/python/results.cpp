@@ -32,7 +32,7 @@ py::array field(Simulation& simulation, const std::string& name) {
   built.dynamics().synchronise(choice.needs_force);
   const double time = simulation.time();
   FrameField values;
-  choice.fill(built, built.body().acceleration(time), time, values);
+  choice.fill({built, built.body().acceleration(time), time}, values);
   if (!values.ids.empty()) return array_of(values.ids.data(), values.ids.size(), 1);
   const auto width = static_cast<std::size_t>(values.components);
   return array_of(values.values.data(), values.values.size() / width, values.components);

@@ -30,7 +30,7 @@ class PartialRows {
   };
   void share_with(Others others) { others_ = std::move(others); }
 
-  /// Empty: all.
+  /// Others::known; none if this process has the body alone: then it has all rows.
   std::span<const Range> known() const {
     return others_.known ? others_.known() : std::span<const Range>();
   }

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace suture {
@@ -314,6 +315,9 @@ class DroppingWriter : public Archive {
 /// A state for a rollback within a run: what steps change, without names, in reused memory.
 class StateBuffer {
  public:
+  using Bytes = std::vector<std::uint8_t>;
+  StateBuffer() = default;
+  explicit StateBuffer(Bytes bytes) : bytes_(std::move(bytes)) {}
   template <class Holder>
   void save(Holder& holder) {
     bytes_.clear();
@@ -331,13 +335,13 @@ class StateBuffer {
     Reader reader(bytes_);
     holder.state(reader);
   }
+  const Bytes& bytes() const { return bytes_; }
   bool empty() const { return bytes_.empty(); }
   std::size_t size() const { return bytes_.size(); }  ///< B
   /// For buffers that are part of a saved state.
   void state(Archive& archive) { archive("bytes", bytes_); }
 
  private:
-  using Bytes = std::vector<std::uint8_t>;
   class Writer : public Archive {
    public:
     /// Null: nothing is written, and size() returns the size that would be needed.

@@ -35,7 +35,7 @@ void release_zeroed(void* block, std::size_t bytes) noexcept;
 /// The contents of a range become 0, and the memory of its whole pages returns to the system.
 void clear_pages(void* begin, std::size_t bytes) noexcept;
 
-/// Writes to each page of a range whose contents do not matter.
+/// Writes 0 at the start of each page of a range, whose contents do not matter or are 0.
 void touch_pages(void* begin, std::size_t bytes) noexcept;
 
 /// Allocator for arrays that are filled in one go: resize() leaves new elements uninitialised, so

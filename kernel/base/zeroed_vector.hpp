@@ -13,8 +13,8 @@ namespace suture {
 
 /// Allocator of 64-byte aligned memory that is 0, for arrays of which a process may use a part:
 /// pages of a large array take memory only where they are written. resize() writes nothing: new
-/// items are 0 where the vector had none before. One that has become shorter must be cleared behind
-/// its end before it grows again.
+/// items are 0 where the vector had none before. One that has become shorter keeps what was
+/// there: clear it behind its end before it grows again, or write all new items.
 template <class T>
 struct ZeroedAllocator {
   static_assert(std::is_arithmetic_v<T>);

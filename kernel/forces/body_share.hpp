@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -75,6 +77,9 @@ class BodyShare {
   /// The rows at borders() of some columns become those of the processes that step them.
   virtual void join_borders(std::span<double* const> columns) = 0;
   virtual void join_borders(VertexRows rows) = 0;
+  /// The rows at marked vertices of other processes become theirs, once; returns these vertices.
+  virtual std::vector<Index> join_at(const std::vector<bool>& vertices,
+                                     std::span<double* const> columns) = 0;
   /// Own and common vertices, and borders().
   virtual std::span<const PartialRows::Range> known() const = 0;
   /// All other rows become 0, and take no memory where they fill pages.
@@ -87,6 +92,7 @@ class BodyShare {
   // ---- sums
 
   virtual unsigned number() const = 0;       ///< of this process
+  virtual unsigned processes() const = 0;    ///< that hold the body
   virtual loops::Rows elements() const = 0;  ///< that this process sums; all, together with others
   /// The process with the first element of the vertex.
   virtual unsigned process_at(const CellComplex& complex, Index vertex) const = 0;
@@ -100,6 +106,9 @@ class BodyShare {
                          Failure& failure) = 0;
   /// The lists of all processes, one after the other.
   virtual std::vector<Index> join_lists(const std::vector<Index>& mine) = 0;
+  /// Process 0 calls take(bytes) with those of each process, in their order.
+  using Bytes = std::vector<std::uint8_t>;
+  virtual void collect(const Bytes& mine, const std::function<void(const Bytes&)>& take) = 0;
 };
 
 /// visit(first, end) for the ranges of vertices that other processes step alone.

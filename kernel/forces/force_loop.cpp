@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
-#include <cstdio>
 
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/forces/force_loop_impl.hpp"
-#include "kernel/plugin_host/output_fields.hpp"
 #include "kernel/plugin_host/part_functors.hpp"
 
 namespace suture {
@@ -216,70 +214,6 @@ bool ForceLoop::Impl::is_divided() const {
 const BatchList& ForceLoop::Impl::own_list(CompiledFunctor& functor) {
   if (!others || functor.has_states()) return functor.list();
   return functor.list_without(*others, *complex);
-}
-
-// ------------------------------------------------------------ output fields --
-
-namespace {
-
-/// False if a field that a functor computed has a value that is not finite; `error` says where.
-bool is_finite(std::span<const double> field, const suture_batch& batch, const char* name,
-               suture_error& error) {
-  for (std::size_t i = 0; i < field.size(); ++i) {
-    if (i % lanes >= batch.valid || std::isfinite(field[i])) continue;
-    error.cell = batch.cell_ids[i % lanes];
-    std::snprintf(error.text, sizeof error.text,
-                  "field '%s' is not finite; see that no division, root or logarithm of the model "
-                  "leaves its range, or remove the field from /output",
-                  name);
-    return false;
-  }
-  return true;
-}
-
-}  // namespace
-
-bool ForceLoop::Impl::add_field(Index number, std::string_view field, double time,
-                                std::span<double> values) {
-  const auto* extension = functors[number].extension<suture_output_1>(SUTURE_OUTPUT_1);
-  if (!extension) return false;
-  const std::vector<suture_field> fields = output_fields(functors[number].functor());
-  const auto wanted = std::find_if(fields.begin(), fields.end(),
-                                   [&](const suture_field& f) { return f.name == field; });
-  if (wanted == fields.end()) return false;
-  const auto width = std::size_t{wanted->components};
-  const auto place = static_cast<std::size_t>(wanted - fields.begin());
-  run(number, "output", time,
-      [&](const loops::Job& job, const loops::Worker& worker, std::span<const loops::Rows> ranges,
-          Index) {
-        const std::span<double> out(worker.results_end - width * lanes, width * lanes);
-        std::vector<double*> places(fields.size(), nullptr);
-        places[place] = out.data();
-        for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
-          const suture_status status = extension->compute(worker.context, &batch, places.data());
-          if (status == SUTURE_OK) check_results(out, batch.valid);
-          if (status == SUTURE_OK && !is_finite(out, batch, wanted->name, *worker.context->error))
-            return SUTURE_STOP;
-          for (Index l = 0; l < batch.valid; ++l)
-            for (std::size_t c = 0; c < width; ++c)
-              values[rows.row[l] * width + c] = out[c * lanes + l];
-          return status;
-        });
-      });
-  return true;
-}
-
-bool ForceLoop::compute_field(const Instance& instance, int dimension, std::string_view field,
-                              double time, std::span<double> values) {
-  bool given = false;
-  for (Index i = 0; i < impl_->functors.size(); ++i) {
-    const CompiledFunctor& functor = impl_->functors[i];
-    const bool asked = &functor.instance() == &instance && !functor.skipped() &&
-                       static_cast<int>(functor.functor().dimension) == dimension;
-    if (asked) given |= impl_->add_field(i, field, time, values);
-  }
-  impl_->raise_failures(time);
-  return given;
 }
 
 // -------------------------------------------------------------------- reads --

@@ -153,8 +153,12 @@ class ForceLoop final : public ForceTerm,
   /// An output field (suture.output/1) of an instance's functors on cells of a
   /// dimension: values[row*components + c] of its table; rows that no functor
   /// computes are left alone. False if no enabled functor provides the field.
+  /// `wanted`: these cells alone, and those in one batch with them; null: all.
   bool compute_field(const Instance& instance, int dimension, std::string_view field, double time,
-                     std::span<double> values);
+                     std::span<double> values, const std::vector<Index>* wanted = nullptr);
+  /// Marks the vertices that it reads for `wanted` cells of a dimension.
+  void mark_for_fields(int dimension, const std::vector<Index>& wanted,
+                       std::vector<bool>& vertices);
 
   /// Updates connectivity, rows and chunks after a change. O(cells touched), except
   /// when an eighth of the rows is new (edges) or for functors on faces.

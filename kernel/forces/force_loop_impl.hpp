@@ -235,7 +235,8 @@ struct ForceLoop::Impl {
                                                                         const loops::Job& job);
   void add_cell_work(Index number, const double* direction, double energy, const TangentTime& at,
                      std::span<double> out);
-  bool add_field(Index number, std::string_view field, double time, std::span<double> values);
+  bool add_field(Index number, std::string_view field, double time, std::span<double> values,
+                 const std::vector<bool>* wanted);
   enum class RowsOfShare { own, all };
   template <class Real>
   void add_tangent(loops::Product<Real> product, const TangentTime& at,

@@ -164,7 +164,7 @@ void ShownSurface::append_values(const FieldChoice& field, const Vec3& gravity, 
     return;
   }
   FrameField values;
-  field.fill(built_, gravity, time, values);
+  field.fill({built_, gravity, time}, values);
   const std::vector<double> mean = at_vertices(field, values);
   for (const Index v : vertices_) out.push_back(static_cast<float>(mean[v]));
   for (const Index p : embedded_)

@@ -36,11 +36,12 @@ struct Frame {
   std::vector<std::array<Index, 4>> tetrahedra;  ///< after these: of partial elements; or
   std::vector<SmallCell> cells;
   bool is_surface = false;  ///< the cells are triangles, which go into a `.vtp`
+  std::size_t pieces = 0;   ///< it is one of so many (frame_pieces.hpp); 0: whole
   std::vector<FrameField> point_fields;
   std::vector<FrameField> cell_fields;
   std::string field_data_provenance;  ///< scene hash, plugin versions
 
-  /// Saves frames that are held back when a checkpoint is written.
+  /// Saves frames that are held back when a checkpoint is written, which are whole.
   void state(Archive& archive);
 };
 

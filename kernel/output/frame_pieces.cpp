@@ -2,6 +2,7 @@
 #include "kernel/output/frame_pieces.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernel/output/frame_file.hpp"
 #include "kernel/vtk/xml_attribute.hpp"
@@ -13,7 +14,8 @@ namespace {
 struct PieceRange {
   std::size_t begin, end;
   PieceRange(std::size_t size, std::size_t number, std::size_t count)
-      : begin(size * number / count), end(size * (number + 1) / count) {}
+      : begin(size * std::min(number, count) / count),
+        end(size * std::min(number + 1, count) / count) {}
 };
 
 /// What is in a range of the list that begins with `before` other cells.
@@ -75,7 +77,7 @@ std::string array_line(const FrameField& field, bool is_integer) {
   return line + "/>\n";
 }
 
-std::string lines_of_section(const std::string& name, const std::vector<FrameField>& fields,
+std::string lines_of_section(const std::string& name, std::span<const FrameField> fields,
                              std::size_t rows, std::string lines = "") {
   std::string text = "    <" + name;
   for (const FrameField& field : fields) {
@@ -85,7 +87,27 @@ std::string lines_of_section(const std::string& name, const std::vector<FrameFie
   return text + ">\n" + lines + "    </" + name + ">\n";
 }
 
+/// Value by value of the rows of a piece, at their places in the frame.
+template <class Value>
+void put(std::vector<Value>& all, const std::vector<Value>& rows,
+         std::span<const std::int64_t> places, std::size_t points, std::size_t width) {
+  if (rows.empty()) return;
+  all.resize(points * width);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(i * width), width,
+                all.begin() + places[i] * static_cast<std::ptrdiff_t>(width));
+}
+
+template <class Value>
+void append(std::vector<Value>& all, const std::vector<Value>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
 }  // namespace
+
+std::size_t count_pieces(std::size_t cells, unsigned processes) {
+  return std::clamp<std::size_t>(cells, 1, processes);
+}
 
 Frame piece_of(const Frame& frame, std::size_t number, std::size_t count) {
   const std::size_t hexahedra = frame.hexahedra.size();
@@ -116,15 +138,53 @@ Frame piece_of(const Frame& frame, std::size_t number, std::size_t count) {
   for (std::size_t c = range.begin; c < range.end; ++c) cells.push_back(c);
   piece.points = rows_at(frame.points, points, 1);
   piece.point_fields = fields_at(frame.point_fields, points);
-  FrameField& numbers = piece.point_fields.emplace_back();
-  numbers.name = point_in_frame;
-  numbers.ids.assign(points.begin(), points.end());
   piece.cell_fields = fields_at(frame.cell_fields, cells);
+  make_piece(piece, {points.begin(), points.end()}, count);
   return piece;
 }
 
-std::string list_of_pieces(const Frame& frame, std::span<const std::string> files) {
-  const std::string type = frame.is_surface ? "PPolyData" : "PUnstructuredGrid";
+void make_piece(Frame& frame, std::vector<std::int64_t> points, std::size_t count) {
+  FrameField& numbers = frame.point_fields.emplace_back();
+  numbers.name = point_in_frame;
+  numbers.ids = std::move(points);
+  frame.pieces = count;
+}
+
+void add_piece(Frame& frame, Frame piece) {
+  const std::vector<std::int64_t> places = std::move(piece.point_fields.back().ids);
+  piece.point_fields.pop_back();
+  visit_all_corners(piece, [&](Index& corner) { corner = static_cast<Index>(places[corner]); });
+  std::size_t points = frame.points.size();
+  for (const std::int64_t place : places)
+    points = std::max(points, static_cast<std::size_t>(place) + 1);
+  if (frame.points.empty()) {
+    const auto header = [](const std::vector<FrameField>& fields) { return fields_at(fields, {}); };
+    frame.number = piece.number;
+    frame.time = piece.time;
+    frame.is_surface = piece.is_surface;
+    frame.field_data_provenance = piece.field_data_provenance;
+    frame.point_fields = header(piece.point_fields);
+    frame.cell_fields = header(piece.cell_fields);
+  }
+  put(frame.points, piece.points, places, points, 1);
+  for (std::size_t i = 0; i < frame.point_fields.size(); ++i) {
+    FrameField& all = frame.point_fields[i];
+    const auto width = static_cast<std::size_t>(all.components);
+    put(all.values, piece.point_fields[i].values, places, points, width);
+    put(all.ids, piece.point_fields[i].ids, places, points, width);
+  }
+  append(frame.hexahedra, piece.hexahedra);
+  append(frame.tetrahedra, piece.tetrahedra);
+  append(frame.cells, piece.cells);
+  for (std::size_t i = 0; i < frame.cell_fields.size(); ++i) {
+    append(frame.cell_fields[i].values, piece.cell_fields[i].values);
+    append(frame.cell_fields[i].ids, piece.cell_fields[i].ids);
+  }
+}
+
+std::string list_of_pieces(const Frame& piece, std::span<const std::string> files) {
+  const std::string type = piece.is_surface ? "PPolyData" : "PUnstructuredGrid";
+  const std::span fields(piece.point_fields);
   std::string text =
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"" +
@@ -132,9 +192,9 @@ std::string list_of_pieces(const Frame& frame, std::span<const std::string> file
       "\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
       "  <" +
       type + " GhostLevel=\"0\">\n" +
-      lines_of_section("PPointData", frame.point_fields, frame.points.size(),
+      lines_of_section("PPointData", fields.first(fields.size() - 1), piece.points.size(),
                        array_line({point_in_frame}, true)) +
-      lines_of_section("PCellData", frame.cell_fields, cell_count(frame)) +
+      lines_of_section("PCellData", piece.cell_fields, cell_count(piece)) +
       "    <PPoints>\n"
       "      <PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n"
       "    </PPoints>\n";

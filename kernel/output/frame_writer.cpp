@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/output/frame_writer.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "kernel/base/error.hpp"
@@ -43,17 +43,18 @@ struct FrameWriter::Impl {
     return options.prefix + number;
   }
 
-  /// Each piece has a cell, so that all have the same types of arrays.
-  void write_piece(const Frame& frame, const std::string& list, const std::string& extension) {
-    const std::size_t pieces = std::clamp<std::size_t>(cell_count(frame), 1, folder().writers());
+  void write_piece(Frame& frame, const std::string& list, const std::string& extension) {
+    std::optional<Frame> made;
+    if (frame.pieces == 0)
+      made =
+          piece_of(frame, folder().writer(), count_pieces(cell_count(frame), folder().writers()));
+    Frame& piece = made ? *made : frame;
     std::vector<std::string> files;
-    for (std::size_t i = 0; i < pieces; ++i)
+    for (std::size_t i = 0; i < piece.pieces; ++i)
       files.push_back(stem(frame) + '_' + std::to_string(i) + extension);
-    folder().write_pieces(files, [&](OutputFile& file) {
-      Frame piece = piece_of(frame, folder().writer(), pieces);
-      write_frame(file, piece, options.compression);
-    });
-    folder().write(list, [&](OutputFile& file) { file.write(list_of_pieces(frame, files)); });
+    folder().write_pieces(files,
+                          [&](OutputFile& file) { write_frame(file, piece, options.compression); });
+    folder().write(list, [&](OutputFile& file) { file.write(list_of_pieces(piece, files)); });
   }
 
   void write(Frame& frame) {

@@ -161,6 +161,16 @@ void ProcessShare::release(VertexRows rows) const {
   release_until(common_begin());
 }
 
+std::vector<Index> ProcessShare::join_at(const std::vector<bool>& vertices,
+                                         std::span<double* const> columns) {
+  Exchange once;
+  find(once, vertices);
+  join(once, columns);
+  std::vector<Index> taken;
+  for (const auto& list : once.taken) taken.insert(taken.end(), list.begin(), list.end());
+  return taken;
+}
+
 void ProcessShare::read_at_cells(const std::vector<bool>& vertices) { find(at_cells_, vertices); }
 
 loops::Rows ProcessShare::elements() const {
@@ -388,6 +398,28 @@ std::vector<Index> ProcessShare::join_lists(const std::vector<Index>& mine) {
   for (const auto& list : processes_.swap(std::vector(processes_.size(), mine)))
     all.insert(all.end(), list.begin(), list.end());
   return all;
+}
+
+/// One process after the other, so that process 0 needs memory for one of them.
+void ProcessShare::collect(const Bytes& mine, const std::function<void(const Bytes&)>& take) {
+  const std::vector<std::string> sizes = processes_.gather(std::to_string(mine.size()));
+  if (processes_.rank() == 0) take(mine);
+  for (unsigned process = 1; process < processes_.size(); ++process) {
+    if (processes_.rank() != process && processes_.rank() != 0) continue;
+    const std::size_t size = std::stoull(sizes[process]);
+    std::vector<double> numbers((size + sizeof(double) - 1) / sizeof(double));
+    if (processes_.rank() == process) {
+      std::memcpy(numbers.data(), mine.data(), size);
+      const Communicator::Parcel sent{0, std::move(numbers)};
+      processes_.swap({&sent, 1}, {});
+    } else {
+      Communicator::Parcel received{process, std::move(numbers)};
+      processes_.swap({}, {&received, 1});
+      Bytes bytes(size);
+      std::memcpy(bytes.data(), received.numbers.data(), size);
+      take(bytes);
+    }
+  }
 }
 
 }  // namespace suture

@@ -38,12 +38,15 @@ class ProcessShare final : public BodyShare {
   std::span<const Index> borders() const override { return borders_; }
   void join_borders(std::span<double* const> columns) override { join(at_borders_, columns); }
   void join_borders(VertexRows rows) override { join_rows(at_borders_, rows); }
+  std::vector<Index> join_at(const std::vector<bool>& vertices,
+                             std::span<double* const> columns) override;
   std::span<const PartialRows::Range> known() const override { return known_; }
   void release(VertexRows rows) const override;
   bool join_blocks(std::span<double> rows, std::size_t width, bool good) override;
   bool all(bool good) override { return processes_.largest(good ? 0 : 1) == 0; }
   std::vector<Part> parts() const override;
   unsigned number() const override { return processes_.rank(); }
+  unsigned processes() const override { return processes_.size(); }
   loops::Rows elements() const override;
   unsigned process_at(const CellComplex& complex, Index vertex) const override;
   void read_at_cells(const std::vector<bool>& vertices) override;
@@ -51,6 +54,7 @@ class ProcessShare final : public BodyShare {
   void join_sums(std::span<double> sums, std::span<const unsigned> processes,
                  Failure& failure) override;
   std::vector<Index> join_lists(const std::vector<Index>& mine) override;
+  void collect(const Bytes& mine, const std::function<void(const Bytes&)>& take) override;
 
  private:
   /// Vertices: whole ranges of every sum over vertices (Motion).

@@ -8,6 +8,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/zeroed_vector.hpp"
 #include "kernel/dynamics/hourglass.hpp"
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/forces/contact_law.hpp"
@@ -26,13 +27,14 @@ FieldChoice vertex_vector(std::string name, std::string unit, bool needs_force, 
   field.components = 3;
   field.unit = std::move(unit);
   field.value = value;
-  field.fill = [value](BuiltScene& built, const Vec3& gravity, double, FrameField& out) {
-    const Index count = built.body().complex().count(0);
+  field.fill = [value](const FieldRequest& at, FrameField& out) {
+    const ShownCells vertices = at.vertices();
     out.components = 3;
-    out.values.resize(std::size_t{3} * count);
-    for (Index v = 0; v < count; ++v) {
+    out.values.resize(std::size_t{3} * vertices.size());
+    for (Index i = 0; i < vertices.size(); ++i) {
       for (int a = 0; a < 3; ++a)
-        out.values[std::size_t{3} * v + static_cast<std::size_t>(a)] = value(built, gravity, v, a);
+        out.values[std::size_t{3} * i + static_cast<std::size_t>(a)] =
+            value(at.built, at.gravity, vertices[i], a);
     }
   };
   return field;
@@ -47,12 +49,13 @@ FieldChoice vertex_column(std::string name, std::string unit, int components, Co
   field.value = [column](BuiltScene& built, const Vec3&, Index v, int c) {
     return column(built).get(v, c);
   };
-  field.fill = [column, components](BuiltScene& built, const Vec3&, double, FrameField& out) {
-    const Column& values = column(built);
+  field.fill = [column, components](const FieldRequest& at, FrameField& out) {
+    const Column& values = column(at.built);
+    const ShownCells vertices = at.vertices();
     out.components = components;
     out.values.clear();
-    for (Index i = 0; i < values.size(); ++i)
-      for (int c = 0; c < components; ++c) out.values.push_back(values.get(i, c));
+    for (Index i = 0; i < vertices.size(); ++i)
+      for (int c = 0; c < components; ++c) out.values.push_back(values.get(vertices[i], c));
   };
   return field;
 }
@@ -64,11 +67,12 @@ FieldChoice integers(std::string name, On on, Value value) {
   field.value = [value](BuiltScene& built, const Vec3&, Index cell, int) {
     return static_cast<double>(value(built, cell));
   };
-  field.fill = [value, on](BuiltScene& built, const Vec3&, double, FrameField& out) {
-    const Index count = built.body().complex().count(on == On::points ? 0 : 3);
+  field.fill = [value, on](const FieldRequest& at, FrameField& out) {
+    const ShownCells cells = on == On::points ? at.vertices() : at.elements();
     out.components = 1;
-    out.ids.resize(count);
-    for (Index i = 0; i < count; ++i) out.ids[i] = static_cast<std::int64_t>(value(built, i));
+    out.ids.resize(cells.size());
+    for (Index i = 0; i < cells.size(); ++i)
+      out.ids[i] = static_cast<std::int64_t>(value(at.built, cells[i]));
   };
   return field;
 }
@@ -106,10 +110,9 @@ double reaction_moment(BuiltScene& built, const Vec3& gravity, Index v, int a) {
 FieldChoice element_id() {
   FieldChoice field = integers("element_id", On::cells,
                                [](BuiltScene& built, Index e) { return built.element_name(e); });
-  field.fill = [fill = field.fill](BuiltScene& built, const Vec3& gravity, double time,
-                                   FrameField& out) {
+  field.fill = [fill = field.fill](const FieldRequest& at, FrameField& out) {
     out.global_ids = true;
-    fill(built, gravity, time, out);
+    fill(at, out);
   };
   return field;
 }
@@ -120,70 +123,98 @@ FieldChoice island() {
 }
 
 // Alternating part of the deformation over strain.
-void hourglass(BuiltScene& built, const Vec3&, double, FrameField& field) {
-  const Hourglass found = measure_hourglass(built.body().complex(), built.body().attributes());
-  field.components = 1;
-  field.values.resize(built.body().complex().element_count());
-  for (Index e = 0; e < built.body().complex().element_count(); ++e)
-    field.values[e] = found.content(e);
+FieldChoice hourglass() {
+  FieldChoice field{"hourglass", On::cells, false, {}};
+  field.from = FieldChoice::From::all;
+  field.fill = [](const FieldRequest& at, FrameField& out) {
+    const Hourglass found = measure_hourglass(at.complex(), at.attributes());
+    out.components = 1;
+    out.values.resize(at.complex().element_count());
+    for (Index e = 0; e < at.complex().element_count(); ++e) out.values[e] = found.content(e);
+  };
+  return field;
 }
 
 // The force of the last step.
-void contact_force(BuiltScene& built, const Vec3&, double, FrameField& field) {
+void contact_force(const FieldRequest& at, FrameField& field) {
+  const ShownCells vertices = at.vertices();
   field.components = 3;
-  field.values.assign(std::size_t{3} * built.body().complex().count(0), 0);
-  for (const ContactLaw::Touch& touch : built.body().contact()->touches())
-    std::ranges::copy(touch.force, field.values.begin() + std::ptrdiff_t{3} * touch.vertex);
+  field.values.assign(std::size_t{3} * vertices.size(), 0);
+  for (const ContactLaw::Touch& touch : at.built.body().contact()->touches())
+    if (const Index place = vertices.place(touch.vertex); place != none)
+      std::ranges::copy(touch.force, field.values.begin() + std::ptrdiff_t{3} * place);
 }
 
-void gap(BuiltScene& built, const Vec3&, double time, FrameField& field) {
+void gap(const FieldRequest& at, FrameField& field) {
+  const std::vector<double> gaps = at.built.body().contact()->gaps(at.time);
+  const ShownCells vertices = at.vertices();
   field.components = 1;
-  field.values = built.body().contact()->gaps(time);
+  field.values.resize(vertices.size());
+  for (Index i = 0; i < vertices.size(); ++i) field.values[i] = gaps[vertices[i]];
 }
 
-void model(BuiltScene& built, const Vec3&, double, FrameField& field) {
+void model(const FieldRequest& at, FrameField& field) {
+  const ShownCells elements = at.elements();
   field.components = 1;
-  field.ids.resize(built.body().complex().element_count());
+  field.ids.resize(elements.size());
   std::int64_t number = 0;
-  for (const auto& instance : built.body().attributes().instances()) {
+  for (const auto& instance : at.attributes().instances()) {
     const CellSet& cells = instance->table(3).cells;
-    for (Index row = 0; row < cells.size(); ++row) field.ids[cells.cell(row)] = number;
+    for (Index row = 0; row < cells.size(); ++row)
+      if (const Index place = elements.place(cells.cell(row)); place != none)
+        field.ids[place] = number;
     ++number;
   }
 }
 
 bool is_by_row(int dimension) { return dimension == 1 || dimension == 2; }
 
-// Where a cell of an instance's table stands in the frame: springs and faces instance after
-// instance in the order of their rows, elements and vertices by number.
-std::size_t frame_size(BuiltScene& built, int dimension) {
-  if (!is_by_row(dimension)) return built.body().complex().count(dimension);
+// Springs and faces instance after instance in the order of their rows, elements and vertices by
+// number.
+std::size_t frame_size(const FieldRequest& at, int dimension) {
+  if (!is_by_row(dimension)) return dimension == 0 ? at.vertices().size() : at.elements().size();
   std::size_t rows = 0;
-  for (const auto& instance : built.body().attributes().instances())
+  for (const auto& instance : at.attributes().instances())
     rows += instance->table(dimension).cells.size();
   return rows;
 }
 
-// values(instance, out): components per row of the instance's table.
+/// visit(row, place) for the rows of an instance whose cells are shown, and their places in the
+/// field. `before`: rows of the instances before this one.
+template <class Visit>
+void for_each_place(const FieldRequest& at, const Table& table, std::size_t before, Visit visit) {
+  const int dimension = table.dimension;
+  if (is_by_row(dimension)) {
+    for (Index row = 0; row < table.cells.size(); ++row)
+      if (has_cell(at.complex(), table, row)) visit(row, before + row);
+    return;
+  }
+  const ShownCells cells = dimension == 0 ? at.vertices() : at.elements();
+  for (Index place = 0; place < cells.size(); ++place)
+    if (at.complex().exists(dimension, cells[place]))
+      if (const Index row = table.cells.row(cells[place]); row != none) visit(row, place);
+}
+
+// values(instance, rows): components per row of the instance's table, those that are shown.
 template <class Values>
-void gather_instances(BuiltScene& built, int dimension, int components, FrameField& field,
+void gather_instances(const FieldRequest& at, int dimension, int components, FrameField& field,
                       Values values) {
+  constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
   const auto width = static_cast<std::size_t>(components);
   field.components = components;
-  field.values.assign(frame_size(built, dimension) * width,
-                      std::numeric_limits<double>::quiet_NaN());
+  field.values.assign(frame_size(at, dimension) * width, nothing);
   std::size_t rows = 0;  // of the instances before
-  for (const auto& instance : built.body().attributes().instances()) {
-    const CellSet& cells = instance->table(dimension).cells;
-    std::vector<double> of_rows(cells.size() * width, std::numeric_limits<double>::quiet_NaN());
-    if (values(*instance, of_rows)) {
-      for (Index row = 0; row < cells.size(); ++row) {
-        if (!has_cell(built.body().complex(), instance->table(dimension), row)) continue;
-        const std::size_t place = is_by_row(dimension) ? rows + row : cells.cell(row);
+  for (const auto& instance : at.attributes().instances()) {
+    const Table& table = instance->table(dimension);
+    ZeroedVector<double> of_rows(table.cells.size() * width);
+    for_each_place(at, table, rows, [&](Index row, std::size_t) {
+      std::fill_n(of_rows.data() + row * width, width, nothing);
+    });
+    if (values(*instance, std::span<double>(of_rows)))
+      for_each_place(at, table, rows, [&](Index row, std::size_t place) {
         std::copy_n(of_rows.data() + row * width, width, field.values.data() + place * width);
-      }
-    }
-    rows += cells.size();
+      });
+    rows += table.cells.size();
   }
 }
 
@@ -201,22 +232,17 @@ FieldChoice output_field(const suture_functor& functor, const suture_field& fiel
   return {name,
           place_of(functor.dimension),
           false,
-          [=](BuiltScene& built, const Vec3&, double time, FrameField& out) {
-            gather_instances(
-                built, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
-                  return built.body().models().compute_field(instance, dimension, name, time, rows);
-                });
+          [=](const FieldRequest& at, FrameField& out) {
+            gather_instances(at, dimension, components, out,
+                             [&](Instance& instance, std::span<double> rows) {
+                               return at.built.body().models().compute_field(
+                                   instance, dimension, name, at.time, rows, at.wanted(dimension));
+                             });
           },
           true,
           components,
           false,
           unit_of(field.unit)};
-}
-
-void copy_column(const Column& column, int components, std::span<double> rows) {
-  const auto width = static_cast<std::size_t>(components);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    rows[i] = column.get(static_cast<Index>(i / width), static_cast<int>(i % width));
 }
 
 FieldChoice attribute_field(const suture_attribute& attribute) {
@@ -226,12 +252,17 @@ FieldChoice attribute_field(const suture_attribute& attribute) {
   return {name,
           place_of(attribute.dimension),
           false,
-          [=](BuiltScene& built, const Vec3&, double, FrameField& out) {
+          [=](const FieldRequest& at, FrameField& out) {
             gather_instances(
-                built, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
+                at, dimension, components, out, [&](Instance& instance, std::span<double> rows) {
                   const Column* column = instance.table(dimension).find(name);
                   if (column == nullptr) return false;
-                  copy_column(*column, components, rows);
+                  const auto width = static_cast<std::size_t>(components);
+                  const auto copy = [&](Index row, std::size_t) {
+                    for (std::size_t c = 0; c < width; ++c)
+                      rows[row * width + c] = column->get(row, static_cast<int>(c));
+                  };
+                  for_each_place(at, instance.table(dimension), 0, copy);
                   if (!std::ranges::all_of(rows, [](double x) { return std::isfinite(x); }))
                     throw NotFinite("attribute " + quote(name) + " of model " +
                                     quote(instance.name()) + " has a value that is not finite");
@@ -302,7 +333,7 @@ const std::vector<FieldChoice>& kernel_fields() {
       element_id(),
       island(),
       {"model", On::cells, false, model},
-      {"hourglass", On::cells, false, hourglass}};
+      hourglass()};
   return fields;
 }
 
@@ -379,8 +410,8 @@ std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& o
   return chosen;
 }
 
-void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, BuiltScene& built,
-                 const Vec3& gravity, double time, std::vector<FrameField>& fields) {
+void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on,
+                 const FieldRequest& request, std::vector<FrameField>& fields) {
   std::size_t used = 0;
   for (const FieldChoice& choice : choices) {
     if (choice.on != on) continue;
@@ -388,7 +419,7 @@ void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, Bu
     FrameField& field = fields[used++];
     field.name = choice.name;
     field.principal = choice.principal;
-    choice.fill(built, gravity, time, field);
+    choice.fill(request, field);
   }
   fields.resize(used);
 }

@@ -7,17 +7,44 @@
 
 #include "kernel/build/built_scene.hpp"
 #include "kernel/output/frame.hpp"
+#include "kernel/results/piece_cells.hpp"
 
 namespace suture {
+
+/// What a field is computed of: the body as it is now.
+struct FieldRequest {
+  BuiltScene& built;
+  Vec3 gravity;  ///< m/s^2
+  double time;   ///< s
+  /// Whose vertices or elements alone are wanted, in their order; null: all. Springs and faces are
+  /// always all.
+  const PieceCells* piece = nullptr;
+
+  Attributes& attributes() const { return built.body().attributes(); }
+  const CellComplex& complex() const { return built.body().complex(); }
+  ShownCells vertices() const {
+    return piece ? ShownCells(piece->vertices) : ShownCells(complex().count(0));
+  }
+  ShownCells elements() const {
+    return piece ? ShownCells(piece->elements) : ShownCells(complex().count(3));
+  }
+  /// The cells of a dimension that are wanted; null: all.
+  const std::vector<Index>* wanted(int dimension) const {
+    if (!piece || dimension == 1 || dimension == 2) return nullptr;
+    return dimension == 0 ? &piece->vertices : &piece->elements;
+  }
+};
 
 /// One field that a scene can request.
 struct FieldChoice {
   enum class On { points, cells, springs, faces };
+  /// What of the body it is computed from, for a piece: its elements, those near it
+  /// (PieceCells::elements_near) or all.
+  enum class From { piece, near, all };
   std::string name;
   On on = On::points;
   bool needs_force = false;  ///< forces must match the positions of the frame
-  /// Computes the field; `gravity` (m/s^2) and `time` (s) are the current values.
-  std::function<void(BuiltScene&, const Vec3& gravity, double time, FrameField&)> fill;
+  std::function<void(const FieldRequest&, FrameField&)> fill;
   bool runs_functors = false;  ///< an output of a model, not a column
   int components = 1;
   bool principal = false;  ///< components 1, 2, 3 in descending order, not x, y, z
@@ -25,6 +52,7 @@ struct FieldChoice {
   /// One component at one vertex or element, without computing the others; empty if only fill() can
   /// compute it.
   std::function<double(BuiltScene&, const Vec3& gravity, Index cell, int component)> value{};
+  From from = From::piece;
 };
 
 /// The names of the components of a field: "x y z", "1 2 3" (principal values), "xx yy zz xy yz
@@ -66,8 +94,8 @@ const FieldChoice& field_named(const std::vector<FieldChoice>& fields, const std
 std::vector<FieldChoice> choose_fields(BuiltScene& built, const OutputOptions& options);
 
 /// Computes the chosen fields that lie on `on`; the memory of `fields` is used again.
-void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on, BuiltScene& built,
-                 const Vec3& gravity, double time, std::vector<FrameField>& fields);
+void fill_fields(const std::vector<FieldChoice>& choices, FieldChoice::On on,
+                 const FieldRequest& request, std::vector<FrameField>& fields);
 
 /// The fields of this scene that are not among `chosen`.
 std::vector<FieldChoice> fields_besides(BuiltScene& built, const std::vector<FieldChoice>& chosen);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/results/frame_parts.hpp"
 
+#include "kernel/base/zeroed_vector.hpp"
 #include "kernel/results/displayed_ids.hpp"
 #include "kernel/results/part_frames.hpp"
 
@@ -35,6 +36,23 @@ void set_geometry(Frame& frame, BuiltScene& built) {
   }
   const auto hexahedra = built.body().complex().vertices();
   frame.hexahedra.assign(hexahedra.begin(), hexahedra.end());
+  frame.tetrahedra.clear();
+}
+
+void set_geometry(Frame& frame, BuiltScene& built, const PieceCells& piece) {
+  const Column& x = built.body().attributes().position();
+  const CellComplex& complex = built.body().complex();
+  ZeroedVector<Index> point_of(complex.count(0));
+  frame.points.clear();
+  for (const Index v : piece.vertices) {
+    point_of[v] = static_cast<Index>(frame.points.size());
+    frame.points.push_back(built.frame().in_scene({x.get(v, 0), x.get(v, 1), x.get(v, 2)}));
+  }
+  frame.hexahedra.clear();
+  for (const Index e : piece.elements) {
+    Hexahedron& nodes = frame.hexahedra.emplace_back(complex.vertices_of(e));
+    for (Index& v : nodes) v = point_of[v];
+  }
   frame.tetrahedra.clear();
 }
 

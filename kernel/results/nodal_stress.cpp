@@ -124,15 +124,15 @@ class Recovery {
 
 std::vector<double> nodal_stress(const CellComplex& complex, const Column& position,
                                  std::span<const double> stress, std::span<const Index> group,
-                                 const Workers& workers) {
+                                 const Workers& workers, const ShownCells& vertices) {
   const Recovery recovery(complex, position, stress, group);
-  const Index count = complex.count(0);
+  const Index count = vertices.size();
   std::vector<double> values(std::size_t{6} * count, std::numeric_limits<double>::quiet_NaN());
   const auto recover = [&](std::size_t task) {
     const auto begin = static_cast<Index>(task) * vertices_per_task;
-    for (Index v = begin; v < std::min(begin + vertices_per_task, count); ++v) {
-      if (!complex.exists(0, v)) continue;
-      Eigen::Map<Stress>(values.data() + std::size_t{6} * v) = recovery.at(v);
+    for (Index i = begin; i < std::min(begin + vertices_per_task, count); ++i) {
+      if (!complex.exists(0, vertices[i])) continue;
+      Eigen::Map<Stress>(values.data() + std::size_t{6} * i) = recovery.at(vertices[i]);
     }
   };
   workers.parallel_for((count + vertices_per_task - 1) / vertices_per_task, recover);

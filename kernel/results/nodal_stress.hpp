@@ -6,6 +6,7 @@
 
 #include "kernel/attributes/column.hpp"
 #include "kernel/base/parallel.hpp"
+#include "kernel/results/piece_cells.hpp"
 #include "kernel/topology/cell_complex.hpp"
 
 namespace suture {
@@ -27,9 +28,10 @@ namespace suture {
 ///
 /// `stress`: 6 components per element. `group`: per element; only elements of one group are fitted
 /// together, at a vertex of several groups those of the smallest; `none`: the element has no
-/// stress. Returns 6 components per vertex, NaN where there is no stress. O(vertices).
+/// stress. Read at elements around `vertices` and behind their faces. Returns 6 components for each
+/// of these, NaN where there is no stress. O(vertices).
 std::vector<double> nodal_stress(const CellComplex& complex, const Column& position,
                                  std::span<const double> stress, std::span<const Index> group,
-                                 const Workers& workers);
+                                 const Workers& workers, const ShownCells& vertices);
 
 }  // namespace suture

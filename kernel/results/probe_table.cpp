@@ -154,7 +154,7 @@ ProbeTable::Cover ProbeTable::cover(const std::string& probe, const std::string&
 
 const std::vector<double>& ProbeTable::row(double time, const Vec3& gravity) {
   for (std::size_t f = 0; f < fields_.size(); ++f)
-    if (!fields_[f].value) fields_[f].fill(built_, gravity, time, computed_[f]);
+    if (!fields_[f].value) fields_[f].fill({built_, gravity, time}, computed_[f]);
   values_.assign(1, time);
   for (const Entry& entry : entries_) append(entry, gravity);
   return values_;

@@ -10,7 +10,9 @@
 #include "kernel/dynamics/motion.hpp"
 #include "kernel/forces/body_share.hpp"
 #include "kernel/forces/contact_law.hpp"
+#include "kernel/output/frame_pieces.hpp"
 #include "kernel/results/frame_parts.hpp"
+#include "kernel/results/own_piece.hpp"
 #include "kernel/vtk/vtk_module.hpp"
 
 namespace suture {
@@ -136,9 +138,11 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
                           const std::vector<Vec3>* mode) {
   frame.number = frame_number_;
   frame.time = time;
+  frame.pieces = 0;
   set_geometry(frame, built_);
-  fill_fields(fields_, FieldChoice::On::points, built_, gravity, time, frame.point_fields);
-  fill_fields(fields_, FieldChoice::On::cells, built_, gravity, time, frame.cell_fields);
+  const FieldRequest request{built_, gravity, time};
+  fill_fields(fields_, FieldChoice::On::points, request, frame.point_fields);
+  fill_fields(fields_, FieldChoice::On::cells, request, frame.cell_fields);
   if (mode != nullptr) {
     FrameField& field = frame.point_fields.emplace_back();
     field.name = "unstable_mode";
@@ -151,16 +155,26 @@ void Recorder::fill_frame(Frame& frame, double time, const Vec3& gravity,
 
 void Recorder::frame(std::uint64_t step, double time, const Vec3& gravity) {
   if (!frames_) return;
-  if (!process_0_fills_frames(step, time, gravity)) fill_frames(step, time, gravity);
+  if (!process_0_fills_frames(step, time, gravity) && !each_fills_a_piece(step, time, gravity))
+    fill_frames(step, time, gravity);
   ++frame_number_;
 }
 
+void Recorder::hold(std::uint64_t step, Frame frame) {
+  pending_.push_back(
+      {step, PendingRecord::Kind::frame, std::make_unique<Frame>(std::move(frame)), {}});
+}
+
 void Recorder::fill_frames(std::uint64_t step, double time, const Vec3& gravity) {
-  auto frame = std::make_unique<Frame>(frames_->take_frame());
-  fill_frame(*frame, time, gravity);
-  pending_.push_back({step, PendingRecord::Kind::frame, std::move(frame), {}});
-  for (std::size_t i = 0; i < sides_.size(); ++i) side_frame(i, step, time, gravity);
+  Frame frame = frames_->take_frame();
+  fill_frame(frame, time, gravity);
+  hold(step, std::move(frame));
+  fill_side_frames(step, time, gravity);
   if (!built_.skips()) fill_other_fields(time, gravity);
+}
+
+void Recorder::fill_side_frames(std::uint64_t step, double time, const Vec3& gravity) {
+  for (std::size_t i = 0; i < sides_.size(); ++i) side_frame(i, step, time, gravity);
 }
 
 /// Where several processes make the run, it alone has memory for frames, unless each writes a
@@ -186,6 +200,48 @@ bool Recorder::process_0_fills_frames(std::uint64_t step, double time, const Vec
   if (share->all(is_good)) return true;
   while (pending_.size() > before) pending_.pop_back();
   return false;
+}
+
+/// Whether a field is computed from the whole body, or all fields of the run are computed.
+bool Recorder::has_fields_of_all() const {
+  return !built_.skips() ||
+         std::ranges::find(fields_, FieldChoice::From::all, &FieldChoice::from) != fields_.end();
+}
+
+/// Each process has a piece, computed from rows near it. False if frames are not made so, or if one
+/// fails: then all fill whole frames, and meet the same error.
+bool Recorder::each_fills_a_piece(std::uint64_t step, double time, const Vec3& gravity) {
+  BodyShare* const share = built_.body().share();
+  if (!share || !in_pieces_ || !built_.parts().empty() || has_fields_of_all()) return false;
+  const CellComplex& complex = built_.body().complex();
+  const std::size_t count = count_pieces(complex.existing(3), share->processes());
+  const PieceCells piece = PieceCells::of(complex, share->number(), count);
+  bool is_good = true;
+  {
+    const RowsAt rows(built_.body(), vertices_read_for(piece, built_, fields_));
+    try {
+      Frame frame = frames_->take_frame();
+      fill_piece(frame, {built_, gravity, time, &piece}, count);
+      hold(step, std::move(frame));
+    } catch (...) {
+      is_good = false;
+    }
+  }
+  const bool has_piece = is_good;
+  is_good = share->all(is_good);
+  if (!is_good && has_piece) pending_.pop_back();
+  if (is_good) fill_side_frames(step, time, gravity);
+  return is_good;
+}
+
+void Recorder::fill_piece(Frame& frame, const FieldRequest& request, std::size_t count) {
+  frame.number = frame_number_;
+  frame.time = request.time;
+  set_geometry(frame, built_, *request.piece);
+  fill_fields(fields_, FieldChoice::On::points, request, frame.point_fields);
+  fill_fields(fields_, FieldChoice::On::cells, request, frame.cell_fields);
+  frame.field_data_provenance = provenance_.line;
+  make_piece(frame, request.piece->points(request.complex()), count);
 }
 
 /// What fields may read.
@@ -253,7 +309,7 @@ std::size_t Recorder::frames_held() const {
 /// Computed and dropped: a run that skips nothing pays for every field.
 void Recorder::fill_other_fields(double time, const Vec3& gravity) {
   FrameField unused;
-  for (const FieldChoice& field : other_fields_) field.fill(built_, gravity, time, unused);
+  for (const FieldChoice& field : other_fields_) field.fill({built_, gravity, time}, unused);
 }
 
 std::size_t Recorder::rehearse(double time, const Vec3& gravity) {
@@ -347,7 +403,8 @@ std::string Recorder::mode_collection() const { return modes_ ? modes_->collecti
 
 std::string Recorder::collection() const { return frames_ ? frames_->collection() : ""; }
 
-void Recorder::PendingRecord::state(Archive& archive) {
+/// Process 0 saves whole frames, joined from the pieces of all.
+void Recorder::PendingRecord::state(Archive& archive, BodyShare* share) {
   archive("step", step);
   archive("kind", kind);
   archive("row", row);
@@ -355,7 +412,9 @@ void Recorder::PendingRecord::state(Archive& archive) {
   if (kind != Kind::frame && kind != Kind::side) return;
   if (!archive.loads() && !frame) return;  // of a process that saves nothing
   if (archive.loads()) frame = std::make_unique<Frame>();
-  archive("frame", *frame);
+  if (frame->pieces == 0) return archive("frame", *frame);
+  Frame whole = join_pieces(*frame, *share);
+  if (share->number() == 0) archive("frame", whole);
 }
 
 void Recorder::state(Archive& archive) {
@@ -363,7 +422,9 @@ void Recorder::state(Archive& archive) {
   archive("has files", had_files);
   archive("frame number", frame_number_);
   archive("modes written", modes_written_);
-  archive.each("held", pending_);
+  archive.each("held", pending_, [&](Archive& each, PendingRecord& record) {
+    record.state(each, built_.body().share());
+  });
   begins_ = !had_files;
   if (had_files != has_files()) return pending_.clear();
   if (archive.loads() && modes_written_ > 0) modes_ = open_sink("mode", "mode");

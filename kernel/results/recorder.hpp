@@ -84,8 +84,13 @@ class Recorder {
  private:
   void fill_frame(Frame& frame, double time, const Vec3& gravity,
                   const std::vector<Vec3>* mode = nullptr);
+  void fill_piece(Frame& frame, const FieldRequest& request, std::size_t count);
+  void hold(std::uint64_t step, Frame frame);
   void fill_frames(std::uint64_t step, double time, const Vec3& gravity);
+  void fill_side_frames(std::uint64_t step, double time, const Vec3& gravity);
   bool process_0_fills_frames(std::uint64_t step, double time, const Vec3& gravity);
+  bool each_fills_a_piece(std::uint64_t step, double time, const Vec3& gravity);
+  bool has_fields_of_all() const;
   void gather_rows();
   void side_frame(std::size_t side, std::uint64_t step, double time, const Vec3& gravity);
   void fill_other_fields(double time, const Vec3& gravity);
@@ -94,10 +99,11 @@ class Recorder {
   struct PendingRecord {
     std::uint64_t step = 0;
     enum class Kind { frame, side, energies, probes, tools } kind = Kind::frame;
-    std::unique_ptr<Frame> frame;  ///< for the first two kinds; null where another process has it
-    std::vector<double> row;       ///< for the others
-    std::size_t side = 0;          ///< the series
-    void state(Archive& archive);
+    /// For the first two kinds; null where another process has it, or a piece.
+    std::unique_ptr<Frame> frame;
+    std::vector<double> row;  ///< for the others
+    std::size_t side = 0;     ///< the series
+    void state(Archive& archive, BodyShare* share);
   };
   bool has_files() const { return frames_ || energies_ || probes_ || tools_; }
   void tell_provenance();

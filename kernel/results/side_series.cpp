@@ -168,7 +168,7 @@ std::vector<SideSeries> side_series(const OutputOptions& options,
   const auto of_models = [&](const char* name, int dimension, FieldChoice::On on) {
     const auto fill = [&fields, &built, dimension, on](Frame& frame, double time,
                                                        const Vec3& gravity) {
-      fill_fields(fields, on, built, gravity, time, frame.cell_fields);
+      fill_fields(fields, on, {built, gravity, time}, frame.cell_fields);
       fill_model_cells(frame, dimension, built);
     };
     series.push_back({name, fill, nullptr});
@@ -187,8 +187,8 @@ std::vector<SideSeries> side_series(const OutputOptions& options,
   if (options.surface) {
     const auto surface = [&fields, &built](Frame& frame, double time, const Vec3& gravity) {
       set_geometry(frame, built);
-      fill_fields(fields, FieldChoice::On::points, built, gravity, time, frame.point_fields);
-      fill_fields(fields, FieldChoice::On::cells, built, gravity, time, frame.cell_fields);
+      fill_fields(fields, FieldChoice::On::points, {built, gravity, time}, frame.point_fields);
+      fill_fields(fields, FieldChoice::On::cells, {built, gravity, time}, frame.cell_fields);
       show_surface(frame, built.embedding());
       frame.is_surface = true;
     };

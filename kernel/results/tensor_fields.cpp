@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "kernel/attributes/mean_gradient.hpp"
+#include "kernel/base/zeroed_vector.hpp"
 #include "kernel/plugin_host/output_fields.hpp"
 #include "kernel/results/nodal_stress.hpp"
 
@@ -70,13 +71,13 @@ FieldChoice strain() {
   field.value = [](BuiltScene& built, const Vec3&, Index e, int c) {
     return strain_of(built, e)[static_cast<std::size_t>(c)];
   };
-  field.fill = [](BuiltScene& built, const Vec3&, double, FrameField& out) {
-    const CellComplex& complex = built.body().complex();
+  field.fill = [](const FieldRequest& at, FrameField& out) {
+    const ShownCells elements = at.elements();
     out.components = 6;
-    out.values.assign(std::size_t{6} * complex.element_count(), no_tensor);
-    for (Index e = 0; e < complex.element_count(); ++e)
-      if (complex.exists(3, e))
-        std::ranges::copy(strain_of(built, e), out.values.data() + std::size_t{6} * e);
+    out.values.assign(std::size_t{6} * elements.size(), no_tensor);
+    for (Index i = 0; i < elements.size(); ++i)
+      if (at.complex().exists(3, elements[i]))
+        std::ranges::copy(strain_of(at.built, elements[i]), out.values.data() + std::size_t{6} * i);
   };
   return field;
 }
@@ -87,10 +88,9 @@ FieldChoice principal(const FieldChoice& tensor, std::string name) {
   field.components = 3;
   field.principal = true;
   field.unit = tensor.unit;
-  field.fill = [fill = tensor.fill](BuiltScene& built, const Vec3& gravity, double time,
-                                    FrameField& out) {
+  field.fill = [fill = tensor.fill](const FieldRequest& at, FrameField& out) {
     FrameField tensors;
-    fill(built, gravity, time, tensors);
+    fill(at, tensors);
     const std::size_t count = tensors.values.size() / 6;
     out.components = 3;
     out.values.resize(3 * count);
@@ -100,19 +100,32 @@ FieldChoice principal(const FieldChoice& tensor, std::string name) {
   return field;
 }
 
-/// The instance that the stress of each element comes from; `none` for elements without stress.
-std::vector<Index> stress_groups(BuiltScene& built, const FrameField& stress) {
-  std::vector<Index> group(built.body().complex().element_count(), none);
-  Index number = 0;
-  for (const auto& instance : built.body().attributes().instances()) {
-    const CellSet& cells = instance->table(3).cells;
-    for (Index i = 0; provides_field(instance->model(), 3, "stress", 6) && i < cells.size(); ++i)
-      group[cells.cell(i)] = number;
-    ++number;
+/// The instance that the stress of each wanted element comes from, by element; `none` for elements
+/// without stress. `stress`: by element.
+ZeroedVector<Index> stress_groups(const FieldRequest& at, std::span<const double> stress) {
+  const auto& instances = at.attributes().instances();
+  std::vector<Index> provide;
+  for (Index i = 0; i < instances.size(); ++i)
+    if (provides_field(instances[i]->model(), 3, "stress", 6)) provide.push_back(i);
+  ZeroedVector<Index> group(at.complex().element_count());
+  const ShownCells elements = at.elements();
+  for (Index i = 0; i < elements.size(); ++i) {
+    const Index e = elements[i];
+    group[e] = none;
+    if (std::isnan(stress[std::size_t{6} * e])) continue;
+    for (const Index instance : provide)
+      if (instances[instance]->table(3).cells.row(e) != none) group[e] = instance;
   }
-  for (Index e = 0; e < group.size(); ++e)
-    if (std::isnan(stress.values[std::size_t{6} * e])) group[e] = none;
   return group;
+}
+
+/// The stresses of the wanted elements, by element; the rows of others take no memory.
+ZeroedVector<double> by_element(const FieldRequest& at, const FrameField& stress) {
+  ZeroedVector<double> rows(std::size_t{6} * at.complex().element_count());
+  const ShownCells elements = at.elements();
+  for (Index i = 0; i < elements.size(); ++i)
+    std::ranges::copy(row(stress, i), rows.data() + std::size_t{6} * elements[i]);
+  return rows;
 }
 
 FieldChoice stress_at_nodes(const FieldChoice& stress) {
@@ -120,14 +133,24 @@ FieldChoice stress_at_nodes(const FieldChoice& stress) {
   field.runs_functors = true;
   field.components = 6;
   field.unit = stress.unit;
-  field.fill = [fill = stress.fill](BuiltScene& built, const Vec3& gravity, double time,
-                                    FrameField& out) {
+  field.from = FieldChoice::From::near;
+  field.fill = [fill = stress.fill](const FieldRequest& at, FrameField& out) {
+    PieceCells near;
+    FieldRequest around = at;
+    if (at.piece) {
+      near.elements = at.piece->elements_near(at.complex());
+      around.piece = &near;
+    }
     FrameField elements;
-    fill(built, gravity, time, elements);
+    fill(around, elements);
+    ZeroedVector<double> rows;
+    if (at.piece) rows = by_element(around, elements);
+    const std::span<const double> stresses =
+        at.piece ? std::span<const double>(rows) : elements.values;
     out.components = 6;
-    out.values =
-        nodal_stress(built.body().complex(), built.body().attributes().position(), elements.values,
-                     stress_groups(built, elements), built.body().models().workers());
+    out.values = nodal_stress(at.complex(), at.attributes().position(), stresses,
+                              stress_groups(around, stresses), at.built.body().models().workers(),
+                              at.vertices());
   };
   return field;
 }
@@ -136,10 +159,9 @@ FieldChoice von_mises_at_nodes(const FieldChoice& at_nodes) {
   FieldChoice field = at_nodes;
   field.name = "nodal_von_mises";
   field.components = 1;
-  field.fill = [fill = at_nodes.fill](BuiltScene& built, const Vec3& gravity, double time,
-                                      FrameField& out) {
+  field.fill = [fill = at_nodes.fill](const FieldRequest& at, FrameField& out) {
     FrameField tensors;
-    fill(built, gravity, time, tensors);
+    fill(at, tensors);
     out.components = 1;
     out.values.resize(tensors.values.size() / 6);
     for (std::size_t v = 0; v < out.values.size(); ++v) out.values[v] = von_mises(row(tensors, v));

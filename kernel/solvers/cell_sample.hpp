@@ -10,10 +10,11 @@ namespace suture {
 
 /// Some cells of a body that stand for all of them in the operator of a coarse level. A cell
 /// belongs to the coarse node with the largest share of its vertices, and to the octant around that
-/// node in which its middle is. Of each octant, the sample has an eighth of the hexahedra, one to
-/// four, or of smaller cells so many that they have eight nodes, at scattered places. The weight of
-/// a cell is the number of those that it stands for. All cells around a coarse node join the sample
-/// where those that were chosen hardly depend on it, as beside vertices that are held.
+/// node in which its middle is. The sample takes an eighth of the hexahedra in an octant, at least
+/// one and at most four, at scattered places. It takes more of smaller cells: they have eight nodes
+/// in all. The weight of a cell is the number of those that it stands for. All cells around a
+/// coarse node join the sample where those that were chosen hardly depend on it, as beside vertices
+/// that are held.
 ///
 /// The sample follows cuts as the coarse nodes do. It depends on the cells and on what is free.
 class CellSample {

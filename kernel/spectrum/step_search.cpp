@@ -66,8 +66,11 @@ void StepSearch::take_share() {
   ranges_.assign(share.own().begin(), share.own().end());
   ranges_.push_back({share.common_begin(), body_.attributes().vertex_count()});
   if (has_all_rows_)
-    for (Vector* values : {&mode_.v, &mode_.image, &difference_.v, &difference_.image})
-      if (!values->empty()) share.release({values->data(), 3});
+    for (Vector* values : {&mode_.v, &mode_.image, &difference_.v, &difference_.image}) {
+      if (values->empty()) continue;
+      values->resize(3 * std::size_t{body_.attributes().vertex_count()});
+      share.release({values->data(), 3});
+    }
   has_all_rows_ = false;
 }
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "kernel/mesh/box.hpp"
 #include "kernel/output/frame_writer.hpp"
 #include "tests/mesh/temporary_folder.hpp"
@@ -110,6 +112,33 @@ TEST(FramePieces, VtkOpensThemAsOneFrame) {
       }
       for (const auto& [name, array] : expected.cell_arrays)
         EXPECT_EQ(found.cell_arrays.at(name).component_names, array.component_names);
+    }
+}
+
+StateTree saved(Frame frame) {
+  StateTree tree;
+  save_state(tree, frame);
+  return tree;
+}
+
+void expect_same(const StateTree& found, const StateTree& expected) {
+  ASSERT_EQ(found.arrays.size(), expected.arrays.size());
+  for (const auto& [name, array] : expected.arrays) {
+    const StateTree::Array& other = found.arrays.at(name);
+    ASSERT_EQ(other.size(), array.size()) << name;
+    EXPECT_EQ(std::memcmp(other.bytes.get(), array.bytes.get(), array.size()), 0) << name;
+  }
+  ASSERT_EQ(found.groups.size(), expected.groups.size());
+  for (const auto& [name, group] : expected.groups) expect_same(found.groups.at(name), group);
+}
+
+TEST(FramePieces, TogetherAreTheFrame) {
+  for (const Frame& frame : {mixed_frame(), surface_frame(), Frame()})
+    for (const unsigned processes : {1u, 2u, 3u, 20u}) {
+      SCOPED_TRACE(processes);
+      Frame joined;
+      for (unsigned p = 0; p < processes; ++p) add_piece(joined, piece_of(frame, p, processes));
+      expect_same(saved(joined), saved(frame));
     }
 }
 

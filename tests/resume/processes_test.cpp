@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Several processes that make a run together leave the same bytes as one process, also when they
-// are stopped and others, of another number, go on.
-//   SUTURE_FULL=1              three scenes of each kind, 200 of divided bodies, 20 kills;
-//   otherwise                  as many scenes as 6 and 3 seconds hold, one solver, one kill
-//   SUTURE_PROCESSES_SEED=N    these scenes; otherwise others in each run
-//   SUTURE_PROCESSES_CASE=NAME this one alone, "twist-017-0"
+// are stopped and others, of another number, go on. For what varies, see together.hpp.
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -16,51 +12,12 @@
 #include <iostream>
 #include <random>
 
-#include "kernel/mesh/mesh_file.hpp"
-#include "kernel/output/collection.hpp"
-#include "kernel/output/frame_pieces.hpp"
-#include "tests/base/variable.hpp"
-#include "tests/mesh/temporary_folder.hpp"
-#include "tests/resume/process.hpp"
+#include "tests/resume/together.hpp"
 
 namespace suture::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::uint64_t scenes_seed() {
-  static const std::uint64_t chosen = seed_of_variable("SUTURE_PROCESSES_SEED");
-  return chosen;
-}
-
-bool is_full() { return !value_of_variable("SUTURE_FULL").empty(); }
-
-std::string only() { return value_of_variable("SUTURE_PROCESSES_CASE"); }
-bool is_chosen(const Case& what) { return only().empty() || what.name == only(); }
-
-/// Also for root, and for more processes than cores. 0: none, for one process.
-std::vector<std::string> launcher(unsigned processes) {
-  if (processes == 0) return {};
-  return {SUTURE_LAUNCHER, "--allow-run-as-root", "--oversubscribe", "-n",
-          std::to_string(processes)};
-}
-
-class Together : public ::testing::Test {
- protected:
-  /// Runs the case in a folder of its own; returns the exit code.
-  int run(const Case& what, const std::vector<std::string>& words, unsigned processes,
-          const fs::path& at) {
-    fs::create_directories(at);
-    std::vector<std::string> arguments{"run"};
-    arguments.insert(arguments.end(), words.begin(), words.end());
-    if (!what.skips) arguments.push_back("--no-skip");
-    return Child(at, arguments, launcher(processes)).wait();
-  }
-
-  std::string said(const fs::path& at) const { return read_text(at / ".err"); }
-
-  TemporaryFolder folder_;
-};
 
 TEST_F(Together, TheyLeaveTheBytesOfOne) {
   const bool full = is_full() || !only().empty();
@@ -104,18 +61,6 @@ TEST_F(Together, TheyLeaveTheBytesOfOne) {
   std::cout << shared << " runs shared, " << refused << " scenes refused\n";
 }
 
-/// At most so many bytes of two checkpoints differ: the identity of the run, its folder and time.
-constexpr std::size_t of_run = 200;
-
-/// Bytes that differ between two files, or all if their sizes do.
-std::size_t different_bytes(const fs::path& one, const fs::path& other) {
-  const std::string a = read_text(one), b = read_text(other);
-  if (a.size() != b.size()) return std::max(a.size(), b.size());
-  std::size_t number = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) number += a[i] != b[i];
-  return number;
-}
-
 /// Vertices of several blocks, so that the passes are divided, too; others go on from one of the
 /// checkpoints.
 TEST_F(Together, TheyDivideThePasses) {
@@ -141,12 +86,8 @@ TEST_F(Together, TheyDivideThePasses) {
       EXPECT_EQ(difference(alone, out), "");
       ++runs;
       const fs::path newest = newest_checkpoint(out);
-      EXPECT_EQ(newest.filename(), newest_checkpoint(alone).filename());
+      expect_same_checkpoints(alone, out);
       if (newest.empty()) continue;
-      for (const std::uint64_t number : checkpoints_in(out))
-        EXPECT_LT(different_bytes(alone / checkpoint_name(number), out / checkpoint_name(number)),
-                  of_run)
-            << number;
       if (random.chance(0.5)) continue;
       const std::vector<std::string> resume{"--resume", "out/" + newest.filename().string()};
       EXPECT_EQ(run(what, resume, random.pick(numbers), there), code) << said(there);
@@ -173,13 +114,8 @@ TEST_F(Together, CheckpointsHaveTheForcesOfOne) {
   write_case(what, at);
   EXPECT_EQ(run(what, {at / "scene.json"}, 0, alone), 0) << said(alone);
   EXPECT_EQ(run(what, {at / "scene.json"}, 2, there), 0) << said(there);
-  const std::vector<std::uint64_t> numbers = checkpoints_in(there / "out");
-  EXPECT_GE(numbers.size(), 18u);
-  for (const std::uint64_t number : numbers)
-    EXPECT_LT(different_bytes(alone / "out" / checkpoint_name(number),
-                              there / "out" / checkpoint_name(number)),
-              of_run)
-        << number;
+  EXPECT_GE(checkpoints_in(there / "out").size(), 18u);
+  expect_same_checkpoints(alone / "out", there / "out");
 }
 
 /// Loads and contact are computed by all, at positions that all of them have: the passes are
@@ -230,89 +166,6 @@ TEST_F(Together, TheySolveEquations) {
     EXPECT_EQ(run(what, {scene}, processes, at / "n"), 0) << said(at / "n");
     EXPECT_EQ(difference(at / "0" / "out", at / "n" / "out"), "");
   }
-}
-
-/// The beam of the tutorial, cut while it sags.
-Case cut_beam() {
-  for (const Kind& kind : all_kinds()) {
-    Random random(1, kind.name, 0);
-    if (kind.name == "scene_cut-beam") return kind.make(random, 0, 1);
-  }
-  throw std::logic_error("no scene cut-beam");
-}
-
-/// What a frame shows in its elements, one after the other: all numbers of their corners, and their
-/// own. Pieces number their points, too.
-std::vector<double> elements_of(const fs::path& frame) {
-  std::vector<fs::path> files;
-  for (const std::string& piece : pieces_of(frame.parent_path(), frame.filename()))
-    files.push_back(frame.parent_path() / piece);
-  if (files.empty()) files.push_back(frame);
-  std::vector<double> numbers;
-  for (const fs::path& file : files) {
-    Diagnostics diagnostics;
-    const Mesh mesh = read_mesh(file, 1, diagnostics, all_arrays);
-    for (std::size_t e = 0; e < mesh.hexahedra.size(); ++e) {
-      for (const Index v : mesh.hexahedra[e])
-        numbers.insert(numbers.end(), mesh.points[v].begin(), mesh.points[v].end());
-      for (const MeshArray& array : mesh.arrays) {
-        if (array.name == point_in_frame) continue;
-        for (const Index row : array.of_elements ? std::vector{static_cast<Index>(e)}
-                                                 : std::vector<Index>(mesh.hexahedra[e].begin(),
-                                                                      mesh.hexahedra[e].end()))
-          for (std::size_t c = 0; c < array.components; ++c)
-            numbers.push_back(array.values[row * array.components + c]);
-      }
-    }
-  }
-  return numbers;
-}
-
-TEST_F(Together, PiecesOfFramesAreThoseOfOne) {
-  Case what = cut_beam();
-  what.scene["solver"]["end"] = 0.5;
-  what.scene["output"] = {{"directory", "out"},
-                          {"every", 0.1},
-                          {"energies", Json::object()},
-                          {"fields", {"velocity", "stress", "element_id"}}};
-  what.scene["checkpoint"] = {{"every_steps", 50}};
-  const fs::path alone = folder_ / "alone", together = folder_ / "together";
-  write_case(what, alone);
-  EXPECT_EQ(run(what, {"scene.json"}, 0, alone), 0) << said(alone);
-  what.scene["output"]["pieces"] = true;
-  write_case(what, together);
-  EXPECT_EQ(run(what, {"scene.json"}, 3, together), 0) << said(together);
-  const std::string newest = newest_checkpoint(together / "out").filename();
-  const auto expect_same = [&] {
-    EXPECT_EQ(read_text(together / "out" / "energies.csv"),
-              read_text(alone / "out" / "energies.csv"));
-    std::string list = read_text(together / "out" / "run.pvd");
-    for (std::size_t at; (at = list.find(".pvtu")) != list.npos;) list.erase(at + 1, 1);
-    EXPECT_EQ(list, read_text(alone / "out" / "run.pvd"));
-    for (const char* frame : {"frame_0000", "frame_0002", "frame_0005"}) {
-      const fs::path pieces = together / "out" / (std::string(frame) + ".pvtu");
-      EXPECT_EQ(elements_of(pieces), elements_of(alone / "out" / (std::string(frame) + ".vtu")));
-    }
-  };
-  expect_same();
-  EXPECT_TRUE(fs::exists(together / "out" / "frame_0005_2.vtu"));
-  EXPECT_EQ(run(what, {"--resume", "out/" + newest}, 2, together), 0) << said(together);
-  expect_same();
-  EXPECT_FALSE(fs::exists(together / "out" / "frame_0005_2.vtu"));
-  EXPECT_TRUE(fs::exists(together / "out" / "frame_0000_2.vtu"));
-}
-
-TEST_F(Together, APieceThatCannotBeWrittenEndsAll) {
-  Case what = cut_beam();
-  what.scene["output"] = {{"directory", "out"}, {"every", 0.1}, {"pieces", true}};
-  const fs::path at = folder_ / "run";
-  write_case(what, at);
-  fs::create_directories(at / "out" / "frame_0001_1.vtu" / "in the way");
-  EXPECT_EQ(run(what, {"scene.json"}, 2, at), 6);
-  EXPECT_THAT(said(at), ::testing::HasSubstr("error: process 1 of 2: "));
-  EXPECT_THAT(said(at), ::testing::HasSubstr("frame_0001_1.vtu: cannot be"));
-  EXPECT_TRUE(fs::exists(at / "out" / "frame_0000.pvtu"));
-  EXPECT_FALSE(fs::exists(at / "out" / "frame_0001.pvtu"));
 }
 
 TEST_F(Together, OthersGoOnFromTheirCheckpoint) {

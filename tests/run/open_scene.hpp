@@ -27,8 +27,8 @@ struct OpenScene {
   Frame frame() {
     Frame frame;
     set_geometry(frame, built);
-    fill_fields(fields, FieldChoice::On::points, built, {}, 0, frame.point_fields);
-    fill_fields(fields, FieldChoice::On::cells, built, {}, 0, frame.cell_fields);
+    fill_fields(fields, FieldChoice::On::points, {built, {}, 0}, frame.point_fields);
+    fill_fields(fields, FieldChoice::On::cells, {built, {}, 0}, frame.cell_fields);
     leave_out(frame, built);
     check_frame(frame);
     return frame;

@@ -43,7 +43,7 @@ class TensorFields : public testing::Test {
   FrameField field(const std::string& name) {
     std::vector<FrameField> fields;
     const FieldChoice choice = field_named(all_fields(built_), name, "");
-    fill_fields({choice}, choice.on, built_, {}, 0, fields);
+    fill_fields({choice}, choice.on, {built_, {}, 0}, fields);
     return fields.at(0);
   }
   void expect(const std::string& name, const std::vector<double>& row, double tolerance) {
@@ -57,7 +57,7 @@ class TensorFields : public testing::Test {
   std::vector<double> recovered(const std::vector<double>& stress,
                                 const std::vector<Index>& group) {
     return nodal_stress(complex(), built_.body().attributes().position(), stress, group,
-                        built_.body().models().workers());
+                        built_.body().models().workers(), ShownCells(complex().count(0)));
   }
   /// What `function(place, element)` gives at the centres.
   template <class Function>
@@ -182,7 +182,8 @@ TEST(NodalStress, IsConstantAcrossASingleLayer) {
     stress.insert(stress.end(), 6, (e + 0.5) / 4);  // x of its centre
   const std::vector<double> values =
       nodal_stress(built.body().complex(), built.body().attributes().position(), stress,
-                   std::vector<Index>(elements, 0), built.body().models().workers());
+                   std::vector<Index>(elements, 0), built.body().models().workers(),
+                   ShownCells(built.body().complex().count(0)));
   const Column& rest = built.body().attributes().rest();
   for (Index v = 0; v < rest.size(); ++v)
     EXPECT_NEAR(values[std::size_t{6} * v], rest.get(v, 0), 1e-13);

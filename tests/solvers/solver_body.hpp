@@ -127,4 +127,9 @@ class SolverBody {
   std::optional<TangentMatrix> matrix_;
 };
 
+/// A slit through half of the body, along its height.
+inline bool slit(const Vec3& a, const Vec3& b) {
+  return std::min(a[0], b[0]) < 2 && std::max(a[0], b[0]) > 2 && std::min(a[2], b[2]) > 4;
+}
+
 }  // namespace suture::test

@@ -109,7 +109,7 @@ class Constraints {
   void drift(Attributes& attributes, double dt, double end_time, Index begin, Index end);
   /// The first vertex of begin .. end-1 at which a held component of `column` is not finite, or
   /// `none`.
-  Index first_not_finite(const Column& column, Index begin = 0, Index end = none) const;
+  Index first_not_finite(const Column& column, Index begin, Index end) const;
   void state(Archive& archive);
 
   /// The parts of a split vertex have the same constraints. A merged vertex inherits the

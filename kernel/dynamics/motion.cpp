@@ -38,12 +38,6 @@ bool is_finite(const Column& column, Index row) {
          std::isfinite(column.get(row, 2));
 }
 
-Index first_not_finite(const Column& column, const loops::Rows& rows) {
-  for (Index row = rows.begin; row < rows.end; ++row)
-    if (!is_finite(column, row)) return row;
-  return none;
-}
-
 }  // namespace
 
 Motion::Motion(Body& body, double damping) : body_(body), loops_(hot_loops()), damping_(damping) {
@@ -292,21 +286,12 @@ void Motion::arrive(double dt, double end) {
   evaluate(end_dt_);
 }
 
-/// Each of several processes looks at the rows that it steps.
 void Motion::require_finite_forces() const {
-  Attributes& attributes = body_.attributes();
-  if (divides()) {
-    const PartialRows::OwnIsEnough own(attributes.partial_rows());
-    const Column& force = attributes.force();
-    BodyShare& share = *body_.share();
-    bool is_good = first_not_finite(force, {share.common_begin(), force.size()}) == none;
-    for (const loops::Rows& rows : share.own())
-      is_good = is_good && first_not_finite(force, rows) == none;
-    if (share.all(is_good)) return;
-  }
-  const Column& force = attributes.force();
-  const Index vertex = first_not_finite(force, {0, force.size()});
-  if (vertex != none) refuse_vertex("the force on node ", vertex);
+  require_finite_forces(divides(), [](const Column& force, Index begin, Index end) {
+    for (Index v = begin; v < end; ++v)
+      if (!is_finite(force, v)) return v;
+    return none;
+  });
 }
 
 void Motion::refuse_vertex(const char* what, Index vertex) const {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -142,6 +143,9 @@ class Motion {
   void drift_driven_of_others(double dt, double end);
   bool join_pass(bool good);
   void clear_forces();
+  /// The first vertex in begin .. end-1 whose force must be finite and is not; or `none`.
+  using FirstNotFinite = std::function<Index(const Column& force, Index begin, Index end)>;
+  void require_finite_forces(bool divides, const FirstNotFinite& first) const;
   void require_finite_reactions(bool divides) const;
   [[noreturn]] void refuse_vertex(const char* what, Index vertex) const;
   [[noreturn]] void refuse_not_finite() const;

@@ -68,16 +68,26 @@ bool Motion::join_pass(bool good) {
 void Motion::require_finite_reactions(bool divides) const {
   const Constraints& constraints = body_.constraints();
   if (constraints.empty()) return;
+  require_finite_forces(divides, [&](const Column& force, Index begin, Index end) {
+    return constraints.first_not_finite(force, begin, end);
+  });
+}
+
+/// Where the passes are divided, each process looks at the rows that it steps. All get the others
+/// only if one has found something.
+void Motion::require_finite_forces(bool divides, const FirstNotFinite& first) const {
+  Attributes& attributes = body_.attributes();
   if (divides) {
-    const PartialRows::OwnIsEnough enough(body_.attributes().partial_rows());
-    const Column& force = body_.attributes().force();
+    const PartialRows::OwnIsEnough own(attributes.partial_rows());
+    const Column& force = attributes.force();
     BodyShare& share = *body_.share();
-    bool is_good = constraints.first_not_finite(force, share.common_begin()) == none;
+    bool is_good = first(force, share.common_begin(), force.size()) == none;
     for (const auto& [begin, end] : share.own())
-      is_good = is_good && constraints.first_not_finite(force, begin, end) == none;
+      is_good = is_good && first(force, begin, end) == none;
     if (share.all(is_good)) return;
   }
-  const Index vertex = constraints.first_not_finite(body_.attributes().force());
+  const Column& force = attributes.force();
+  const Index vertex = first(force, 0, force.size());
   if (vertex != none) refuse_vertex("the force on node ", vertex);
 }
 

@@ -166,9 +166,7 @@ TEST_F(Together, PiecesOfDividedBodiesAreThoseOfOne) {
     SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(scenes_seed()));
     const fs::path at = folder_ / what.name, scene = at / "scene.json";
     const fs::path alone = at / "0" / "out", there = at / "n", out = there / "out";
-    write_case(what, at);
-    const int code = run(what, {scene}, 0, at / "0");
-    EXPECT_TRUE(code == 0 || code == 5) << said(at / "0");
+    const int code = run_alone(what, at);
     EXPECT_EQ(run(what, {scene}, random.pick(numbers), there), code) << said(there);
     expect_same_frames(alone, out);
     const fs::path newest = newest_checkpoint(out);

@@ -75,9 +75,7 @@ TEST_F(Together, TheyDivideThePasses) {
     if (!is_chosen(what)) continue;
     SCOPED_TRACE(what.name + ", SUTURE_PROCESSES_SEED=" + std::to_string(scenes_seed()));
     const fs::path at = folder_ / what.name, scene = at / "scene.json", alone = at / "0" / "out";
-    write_case(what, at);
-    const int code = run(what, {scene}, 0, at / "0");
-    EXPECT_TRUE(code == 0 || code == 5) << said(at / "0");
+    const int code = run_alone(what, at);
     for (const unsigned processes :
          is_full() ? std::vector<unsigned>{1, 2, 3, 4, 7} : std::vector{random.pick(numbers)}) {
       SCOPED_TRACE(std::to_string(processes) + " processes");

@@ -36,6 +36,13 @@ int Together::run(const Case& what, const std::vector<std::string>& words, unsig
   return Child(at, arguments, launcher(processes)).wait();
 }
 
+int Together::run_alone(const Case& what, const fs::path& at) {
+  write_case(what, at);
+  const int code = run(what, {at / "scene.json"}, 0, at / "0");
+  EXPECT_TRUE(code == 0 || code == 5) << said(at / "0");
+  return code;
+}
+
 std::string Together::said(const fs::path& at) const { return read_text(at / ".err"); }
 
 Case cut_beam() {

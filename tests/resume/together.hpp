@@ -33,6 +33,9 @@ class Together : public ::testing::Test {
   /// Runs the case in a folder of its own; returns the exit code.
   int run(const Case& what, const std::vector<std::string>& words, unsigned processes,
           const std::filesystem::path& at);
+  /// Writes the case to a folder and runs it there as one process, in the folder `0`. Returns the
+  /// exit code, 0 or 5.
+  int run_alone(const Case& what, const std::filesystem::path& at);
   /// What the run there has said.
   std::string said(const std::filesystem::path& at) const;
 

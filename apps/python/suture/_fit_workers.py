@@ -36,8 +36,10 @@ class Workers:
         self._processes = []
 
     def __enter__(self):
+        if self._jobs <= 1:
+            return self
         try:
-            for i in range(self._jobs if self._jobs > 1 else 0):
+            for i in range(self._jobs):
                 self._start(self._experiments[i::self._jobs])
         except BaseException:  # KeyboardInterrupt, too
             self.__exit__()

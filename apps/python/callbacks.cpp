@@ -75,7 +75,8 @@ void Observing::on_message(const std::string& text) {
 }
 
 void Observing::on_progress(const Progress& now) {
-  if (!progress || failure) return;
+  if (!progress || failure || now.iteration > 0)
+    return;  // the state within a step is not one to see
   call([&] { progress(now.step, now.time, now.end); });
 }
 
@@ -87,14 +88,22 @@ bool Observing::stop_requested() {
   const double time = session_.time();
   if (!failure && callbacks.is_due(step, time))
     call([&] { callbacks.call_due(step, time, py::cast(&session_)); });
-  const auto now = Clock::now();
-  if (!failure && now > signals_due_) {
-    call([] {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    });
-    signals_due_ = now + between_signals;
-  }
+  look_for_signals();
   return failure != nullptr;
+}
+
+bool Observing::gives_up_step() {
+  look_for_signals();
+  return failure != nullptr;
+}
+
+void Observing::look_for_signals() {
+  const auto now = Clock::now();
+  if (failure || now <= signals_due_) return;
+  call([] {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  });
+  signals_due_ = now + between_signals;
 }
 
 }  // namespace suture::python

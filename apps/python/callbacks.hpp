@@ -64,12 +64,14 @@ class Observing final : public Observer {
   void on_message(const std::string& text) override;
   void on_progress(const Progress& now) override;
   bool stop_requested() override;
+  bool gives_up_step() override;
 
  private:
   using Clock = std::chrono::steady_clock;
   /// Calls f with the GIL held; keeps its exception.
   template <class F>
   void call(F&& f);
+  void look_for_signals();
 
   Session& session_;
   Clock::time_point signals_due_{};

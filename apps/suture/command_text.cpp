@@ -22,7 +22,8 @@ constexpr Note exit_codes[] = {
     {"5", "numerical"},
     {"6", "file system or memory"},
     {"128 + n",
-     "stopped by signal n (130: Ctrl-C; the first finishes the step and writes a frame, the second "
+     "stopped by signal n (130: Ctrl-C; the first finishes or gives up the step and writes a "
+     "frame, the second "
      "kills the process)"}};
 
 constexpr Note environment[] = {{"SUTURE_ISA=avx512|avx2|base", "limits the instruction set"},

@@ -19,6 +19,7 @@ class LiveObserver final : public Observer {
     if (console_.verbose()) console_.note(message);
   }
   bool stop_requested() override { return caught_signal() != 0; }
+  bool gives_up_step() override { return stop_requested(); }
 
  private:
   Console& console_;

@@ -25,6 +25,11 @@ std::string significant(double value) {
 }
 
 std::string describe(const Progress& progress) {
+  if (progress.iteration > 0)
+    return "solving step " + std::to_string(progress.step) +
+           " to t = " + significant(progress.time) + " s: Newton iteration " +
+           std::to_string(progress.iteration) + ", residual " + significant(progress.residual) +
+           " of the forces (solved below " + significant(progress.tolerance) + ")";
   std::string text =
       "step " + std::to_string(progress.step) + ", t = " + significant(progress.time);
   if (progress.end > 0) {
@@ -62,10 +67,11 @@ class Watcher final : public Observer {
   }
   bool stop_requested() override {
     if (is_at_end_) return true;
-    if (!processes_)
-      signal_ = caught_signal();
-    else if (questions_++ % steps_between_ == 0)
-      signal_ = processes_->largest(caught_signal());
+    if (!processes_ || questions_++ % steps_between_ == 0) look_for_signal();
+    return signal_ != 0;
+  }
+  bool gives_up_step() override {
+    look_for_signal();
     return signal_ != 0;
   }
   /// The one that stops the run, on whichever process it arrived; 0: none.
@@ -74,6 +80,12 @@ class Watcher final : public Observer {
   void end() { is_at_end_ = true; }
 
  private:
+  /// One that was found stays.
+  void look_for_signal() {
+    if (signal_ != 0) return;
+    signal_ = processes_ ? processes_->largest(caught_signal()) : caught_signal();
+  }
+
   Console& console_;
   Communicator* processes_;
   unsigned steps_between_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <limits>
 #include <memory>
 #include <span>
@@ -25,6 +26,13 @@ class StepRejected : public NumericalError {
   StepRejected(const std::string& text, double factor, std::uint64_t where = nowhere)
       : NumericalError(text, where), step_factor(factor) {}
   double step_factor;  ///< proposed dt / current dt, in (0, 1)
+};
+
+/// Who runs the body gives up the step that is being made: the state before it is still valid. Not
+/// an error, so nobody looks for another way to the end of the step.
+class StepAbandoned : public std::exception {
+ public:
+  const char* what() const noexcept override { return "the step was given up"; }
 };
 
 /// The internal forces: the enabled functors of all instances, compiled into batches of 8 cells.

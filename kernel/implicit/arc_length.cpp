@@ -110,6 +110,7 @@ unsigned ArcLength::correct(double& part) {
     const bool stalls = iteration > 1 && size > Newton::stalling * last;
     if (stalls && newton.is_at_rounding(path_.equations_at(part), size)) return iteration;
     last = size;
+    newton.check_abandoned();
     if (iteration == max_corrections)
       throw NumericalError("Newton's method along the path does not converge",
                            newton.worst_element());
@@ -243,8 +244,10 @@ std::vector<double> ArcLength::solve_linear(std::span<const double> right) {
   std::vector<double> x(right.size());
   for (;; stiffness_ *= stiffer) {
     matrix_.stiffen(direction_, stiffness_);
+    const Newton& newton = path_.newton();
     const LinearSolve solve =
-        linear_.solve(matrix_, *choice_.preconditioner, right, x, forcing, max_linear_iterations);
+        linear_.solve(matrix_, *choice_.preconditioner, right, x, forcing,
+                      checked_limit(max_linear_iterations, [&] { newton.check_abandoned(); }));
     if (solve.outcome == LinearSolve::Outcome::converged) return x;
     if (solve.outcome == LinearSolve::Outcome::too_many)
       throw NumericalError("the linear solver does not converge");

@@ -76,6 +76,7 @@ bool Newton::solve_on_level(const StepEquations& equations, CoarseSystem& system
   double residual = first;
   bool is_worn = false;  // the preconditioner
   for (unsigned i = 0; residual > reduction * first; ++i) {
+    check_abandoned();
     if (i == max_iterations) return false;
     const bool builds = is_worn || i % iterations_per_build == 0;
     try {

@@ -126,6 +126,10 @@ void Newton::set_remaining(double time) {
   is_moving_ = std::ranges::any_of(remaining_, [](double d) { return d != 0; });
 }
 
+void Newton::check_abandoned() const {
+  if (is_abandoned && is_abandoned()) throw StepAbandoned();
+}
+
 // ---------------------------------------------------------------- directions --
 
 /// Solves A d = r - A d_p with d = d_p on prescribed components; with a clock as far as it allows.
@@ -140,8 +144,9 @@ LinearSolve Newton::find_direction(const StepEquations& equations, double tolera
     for (std::size_t i = 0; i < right.size(); ++i) right[i] = residual_[i] - right[i];
     matrix.restrict(right);
   }
-  const LinearSolve solve = clock ? solver_.solve_within(*clock, right, direction_, tolerance)
-                                  : solver_.solve(right, direction_, tolerance);
+  const LinearSolve solve =
+      clock ? solver_.solve_within(*clock, right, direction_, tolerance)
+            : solver_.solve(right, direction_, tolerance, [this] { check_abandoned(); });
   for (std::size_t i = 0; i < remaining_.size(); ++i) direction_[i] += remaining_[i];
   if (relief_) relief_->remove_rigid_motion(direction_);
   return solve;
@@ -318,6 +323,7 @@ void Newton::iterate(const StepEquations& equations, unsigned allowed) {
     if (!std::isfinite(progress.residual)) refuse(equations, progress, "the forces are not finite");
     iterations_ = progress.iterations;
     if (is_solved(equations, progress)) return;
+    check_abandoned();
     if (progress.iterations == allowed)
       refuse(equations, progress, "the allowed number of iterations was not enough");
     // A tangent that is not symmetric may be so at rest.

@@ -112,6 +112,12 @@ class Newton {
   LinearSolve solve_tangent(const StepEquations& equations, std::span<const double> b,
                             std::span<double> x, double tolerance, bool is_transposed = false);
 
+  /// Asked between iterations, and now and then in a linear solve: if true, solve() throws
+  /// StepAbandoned. None: nobody is asked.
+  std::function<bool()> is_abandoned;
+  /// Throws if it is so.
+  void check_abandoned() const;
+
   /// Called after each iteration, for `suture run -v`.
   struct Iteration {
     unsigned number, linear_iterations;

@@ -86,17 +86,19 @@ void StepSolver::choose() {
 
 // ----------------------------------------------------------- preconditioner --
 
-LinearSolve StepSolver::solve(std::span<const double> b, std::span<double> x, double tolerance) {
+LinearSolve StepSolver::solve(std::span<const double> b, std::span<double> x, double tolerance,
+                              const std::function<void()>& check) {
   if (choice_.kind != PreconditionerChoice::Kind::multigrid) levels_ = 0;
   LinearSolve result;
   result.outcome = LinearSolve::Outcome::too_many;
   if (is_ready()) {
     const double expected = built_.expected_iterations(tolerance);
-    result = iterate(static_cast<unsigned>(2 * expected) + tried_iterations, b, x, tolerance);
+    const unsigned most = static_cast<unsigned>(2 * expected) + tried_iterations;
+    result = iterate(checked_limit(most, check), b, x, tolerance);
   }
   if (result.outcome != LinearSolve::Outcome::converged) {
     build();
-    result = iterate(max_krylov_iterations, b, x, tolerance);
+    result = iterate(checked_limit(max_krylov_iterations, check), b, x, tolerance);
   }
   const bool was_new = built_.decrease == 0;
   if (!built_.note(result) || result.outcome != LinearSolve::Outcome::converged) discard();

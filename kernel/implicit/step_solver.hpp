@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,8 +43,9 @@ class StepSolver {
     matrix_.set_transposed(is_transposed);
   }
 
-  /// Solves A x = b. Throws the errors of terms.
-  LinearSolve solve(std::span<const double> b, std::span<double> x, double tolerance);
+  /// Solves A x = b. Throws the errors of terms. `check`, which may throw, is called now and then.
+  LinearSolve solve(std::span<const double> b, std::span<double> x, double tolerance,
+                    const std::function<void()>& check = {});
   /// The same as far as the clock allows, by the preconditioner that there is, if there is one. One
   /// that has become slow is built again in the next solve, if there is time for it.
   LinearSolve solve_within(StepClock& clock, std::span<const double> b, std::span<double> x,

@@ -47,6 +47,7 @@ class LiveRun::Reporter final : public Observer {
   }
   void on_detail(const std::string& message) override { next_.on_detail(message); }
   bool stop_requested() override { return next_.stop_requested(); }
+  bool gives_up_step() override { return next_.gives_up_step(); }
 
  private:
   LiveRun& run_;

@@ -51,9 +51,11 @@ void Records::record_tables(double last_dt, bool last) {
   }
 }
 
-void Records::finish(double last_dt) {
-  if (recorder_.writes_frames() && last_frame_ != clock_.step()) write_frame();
-  record_tables(last_dt, true);
+void Records::finish(double last_dt, bool records_state) {
+  if (records_state) {
+    if (recorder_.writes_frames() && last_frame_ != clock_.step()) write_frame();
+    record_tables(last_dt, true);
+  }
   recorder_.release(clock_.step());
   recorder_.finish();
 }

@@ -20,8 +20,9 @@ class Records {
   /// previous step.
   bool are_done() const { return recorded_ == clock_.step(); }
   void record(double last_dt);
-  /// Records the last frame and rows of a run; waits until everything is on disk.
-  void finish(double last_dt);
+  /// Records the last frame and rows of a run, if its state is one to record; waits until
+  /// everything is on disk.
+  void finish(double last_dt, bool records_state);
   /// Call after a rollback to an earlier step, which was recorded before it was kept.
   void roll_back();
   /// For a run whose first results are those after now: frames have the numbers that they would

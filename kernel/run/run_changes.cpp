@@ -8,6 +8,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/run/run_loop.hpp"
+#include "kernel/run/within_steps.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
 namespace suture {
@@ -95,7 +96,12 @@ void RunLoop::equilibrate(Observer& observer) {
     throw InputError(
         "only a static run that has made a step finds its equilibrium again; set /solver/static "
         "and make a step first");
-  find_equilibrium([&](const std::string& text) { observer.on_message(text); });
+  const WithinSteps within_steps(control_, built_.dynamics(), observer);
+  try {
+    find_equilibrium([&](const std::string& text) { observer.on_message(text); });
+  } catch (const StepAbandoned&) {
+    is_unbalanced_ = true;
+  }
 }
 
 StateTree RunLoop::save(StateTree* spare) {

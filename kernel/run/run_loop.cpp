@@ -13,7 +13,6 @@
 #include "kernel/build/check_obstacles.hpp"
 #include "kernel/build/check_parts.hpp"
 #include "kernel/forces/contact_law.hpp"
-#include "kernel/implicit/newton.hpp"
 #include "kernel/output/output_folder.hpp"
 #include "kernel/plugin_host/plugin_call.hpp"
 #include "kernel/processes/process_share.hpp"
@@ -22,6 +21,7 @@
 #include "kernel/run/shared_run.hpp"
 #include "kernel/run/steering.hpp"
 #include "kernel/run/stops.hpp"
+#include "kernel/run/within_steps.hpp"
 #include "kernel/steps/free_bodies.hpp"
 #include "kernel/steps/hourglass_watch.hpp"
 
@@ -262,18 +262,6 @@ ForceTerm& RunLoop::add_term(std::unique_ptr<ForceTerm> term) {
 
 // ----------------------------------------------------------------- the loop --
 
-/// For `suture run -v`: the convergence of implicit steps, and steps that follow their error.
-void RunLoop::pass_details_to(Observer& observer) {
-  control_.on_detail = [&observer](const std::string& text) { observer.on_detail(text); };
-  Newton* newton = built_.dynamics().newton();
-  if (!newton) return;
-  newton->on_iteration = [&observer, newton](const Newton::Iteration& i) {
-    observer.on_detail(note_on(i, *newton));
-  };
-  newton->on_note = [&observer](const std::string& text) { observer.on_detail(text); };
-  newton->on_message = [&observer](const std::string& text) { observer.on_message(text); };
-}
-
 std::optional<RunSummary::Outcome> RunLoop::advance(const Pause& pause, Observer& observer) {
   try {
     return loop(pause, observer);
@@ -295,34 +283,36 @@ void RunLoop::make_ready() {
 /// None if the run pauses.
 std::optional<RunSummary::Outcome> RunLoop::loop(const Pause& pause, Observer& observer) {
   make_ready();
-  pass_details_to(observer);
+  const WithinSteps within_steps(
+      control_, built_.dynamics(), observer,
+      [&](const Newton::Iteration& iteration) { report_progress(observer, &iteration); });
   const StepControl::Notify notify = notify_to(observer);
-  const Wall::time_point start = Wall::now();
-  Wall::time_point reported = start;
-  const std::uint64_t first_step = clock_.step();
+  began_ = reported_ = Wall::now();
+  const std::uint64_t first_step = began_at_ = clock_.step();
   const auto pauses = [&] {
     return (pause.time && clock_.reached(*pause.time)) ||
            (pause.steps && clock_.step() >= first_step + *pause.steps);
   };
   std::optional<RunSummary::Outcome> outcome = RunSummary::Outcome::interrupted;
   while (!stops(observer)) {
-    fire_events(observer, notify);
-    if (!record(notify)) continue;
-    outcome = ending_.check(notify);
-    records_.roll_back();
-    if (outcome || pauses()) break;
-    outcome = RunSummary::Outcome::interrupted;
-    control_.step(notify);
+    try {
+      fire_events(observer, notify);
+      if (!record(notify)) continue;
+      outcome = ending_.check(notify);
+      records_.roll_back();
+      if (outcome || pauses()) break;
+      outcome = RunSummary::Outcome::interrupted;
+      control_.step(notify);
+    } catch (const StepAbandoned&) {
+      continue;
+    }
     is_unbalanced_ = false;
     records_.roll_back();
     report_sleep(observer);
     deliver_plugin_warnings(diagnostics_);
-    if (clock_.step() % 16 == 0 && seconds_since(reported) > 0.1) {
-      report_progress(observer, start, first_step);
-      reported = Wall::now();
-    }
+    if (clock_.step() % 16 == 0 || built_.dynamics().is_implicit()) report_progress(observer);
   }
-  summary_.seconds += seconds_since(start);
+  summary_.seconds += seconds_since(began_);
   if (outcome) summary_.outcome = *outcome;
   return outcome;
 }
@@ -361,8 +351,10 @@ bool RunLoop::try_step() {
   }
 }
 
-void RunLoop::report_progress(Observer& observer, Wall::time_point start,
-                              std::uint64_t first_step) {
+/// At most ten times a second.
+void RunLoop::report_progress(Observer& observer, const Newton::Iteration* iteration) {
+  if (!(seconds_since(reported_) > 0.1)) return;
+  reported_ = Wall::now();
   Progress progress;
   progress.step = clock_.step();
   progress.time = clock_.time();
@@ -371,8 +363,13 @@ void RunLoop::report_progress(Observer& observer, Wall::time_point start,
     progress.residual = rest->residual();
     progress.tolerance = rest->tolerance();
   }
-  const double spent = seconds_since(start);
-  const auto steps = static_cast<double>(clock_.step() - first_step);
+  if (iteration != nullptr) {
+    progress.iteration = iteration->number;
+    progress.residual = iteration->residual / iteration->scale;
+    progress.tolerance = scene_.solver.step_tolerance;
+  }
+  const double spent = seconds_since(began_);
+  const auto steps = static_cast<double>(clock_.step() - began_at_);
   progress.elements_per_second =
       spent > 0 ? steps * built_.body().complex().element_count() / spent : 0;
   if (progress.end > 0 && clock_.time() > 0 && !ending_.rest())
@@ -415,7 +412,9 @@ RunSummary RunLoop::run(Observer& observer) {
 /// Makes the last records. False if that failed and the run is back at an earlier step, from which
 /// it must go on.
 bool RunLoop::record_end(Observer& observer) {
-  const auto record = [&] { records_.finish(control_.last_dt()); };
+  // What a static run records is an equilibrium: not the state between an event and the next one.
+  const bool records_state = !(built_.dynamics().is_static() && is_unbalanced_);
+  const auto record = [&] { records_.finish(control_.last_dt(), records_state); };
   try {
     if (control_.try_check(record, notify_to(observer))) return true;
     records_.roll_back();

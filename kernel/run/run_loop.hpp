@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 
+#include "kernel/implicit/newton.hpp"
 #include "kernel/operations/event_runner.hpp"
 #include "kernel/results/event_report.hpp"
 #include "kernel/results/records.hpp"
@@ -67,7 +68,6 @@ class RunLoop {
   using Wall = std::chrono::steady_clock;
   void share(Communicator& processes);
   void require_held_bodies();
-  void pass_details_to(Observer& observer);
   std::optional<RunSummary::Outcome> loop(const Pause& pause, Observer& observer);
   void close_failed(Observer& observer);
   void fire_events(Observer& observer, const StepControl::Notify& notify);
@@ -78,7 +78,7 @@ class RunLoop {
   void report_sleep(Observer& observer);
   bool record(const StepControl::Notify& notify);
   bool stops(Observer& observer);
-  void report_progress(Observer& observer, Wall::time_point start, std::uint64_t first_step);
+  void report_progress(Observer& observer, const Newton::Iteration* iteration = nullptr);
   bool record_end(Observer& observer);
   void finish(Observer& observer);
   void summarise();
@@ -104,6 +104,9 @@ class RunLoop {
   bool is_ready_ = false;         ///< make_ready()
   bool is_unbalanced_ = false;    ///< something has changed since the last step
   std::uint64_t first_step_ = 0;  ///< not 0 if the run was resumed
+  Wall::time_point began_{};      ///< the call of advance()
+  std::uint64_t began_at_ = 0;    ///< its first step
+  Wall::time_point reported_{};   ///< the last progress
   Communicator* processes_;
 };
 

@@ -23,18 +23,23 @@ struct Progress {
   double end = 0;       ///< s; 0 if the run ends at rest
   double residual = 0;  ///< |f| / |f_ext|, for runs until rest; else 0
   double tolerance = 0;
+  unsigned iteration = 0;  ///< of Newton's method in the next step, which left `residual`; else 0
   double elements_per_second = 0;
   double seconds_left = -1;  ///< ETA; < 0: unknown
 };
 
-/// Observes a run and can stop it. Called between steps, on the thread of the run.
+/// Observes a run and can stop it. Called on the thread of the run, and between steps unless said
+/// otherwise.
 class Observer {
  public:
   virtual ~Observer() = default;
-  virtual void on_progress(const Progress&) {}
+  virtual void on_progress(const Progress&) {}    ///< also within a step that solves equations
   virtual void on_message(const std::string&) {}  ///< "t = 0.5 s: cut 25 faces, 2 islands"
   virtual void on_detail(const std::string&) {}  ///< convergence of implicit steps, errors of steps
   virtual bool stop_requested() { return false; }
+  /// Asked within steps that solve equations: true gives the step up, and the run is as it was
+  /// before it. stop_requested() is asked next, and has to be true, too.
+  virtual bool gives_up_step() { return false; }
 };
 
 struct RunSummary {

@@ -52,7 +52,7 @@ class Simulation {
 
   /// Runs to the end, writes frames and tables. Throws NumericalError (frames written earlier
   /// remain; no frame shows an invalid state) and IoError. If interrupted, finishes the step,
-  /// writes a frame and returns.
+  /// or gives it up if it solves equations (Observer::gives_up_step), writes a frame and returns.
   RunSummary run(Observer& observer);
   /// The same up to a pause, for programs that inspect the state in between; run() or the next call
   /// continues from there. Inspecting changes no bit of later results. Returns how the run ended or

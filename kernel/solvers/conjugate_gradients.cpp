@@ -21,6 +21,15 @@ Vector view(std::span<double> v) { return {v.data(), static_cast<Eigen::Index>(v
 
 }  // namespace
 
+IterationLimit checked_limit(unsigned most, const std::function<void()>& check) {
+  constexpr unsigned between_checks = 16;
+  if (!check) return most;
+  return {most, [check, made = 0U]() mutable {
+            if (++made % between_checks == 0) check();
+            return false;
+          }};
+}
+
 double dot(std::span<const double> a, std::span<const double> b) {
   constexpr std::size_t part = 1024;
   double sum = 0;

@@ -32,6 +32,9 @@ struct IterationLimit {
   bool ends(unsigned made) const { return made >= iterations || (is_over && is_over()); }
 };
 
+/// At most so many iterations; `check` is called in every 16th, and may throw.
+IterationLimit checked_limit(unsigned most, const std::function<void()>& check);
+
 /// Solves A x = b by preconditioned conjugate gradients, from x = 0, until |b - A x| <= tolerance
 /// |b|. Where A turns out to be indefinite, x is a descent direction nevertheless: the last iterate
 /// or, in the first iteration, B^-1 b (Nash, SIAM J. Numer. Anal. 21 (1984) 770; Dembo and

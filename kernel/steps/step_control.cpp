@@ -105,10 +105,24 @@ void StepControl::step(const Notify& notify) {
 
 void StepControl::balance() {
   try {
-    built_.dynamics().step(0, clock_.time());
+    step_body(0);
   } catch (const NumericalError& error) {
     give_up(error);
   }
+}
+
+/// Only while a step is made may it be given up: what solves equations between steps changes the
+/// state of the solver.
+void StepControl::step_body(double dt) {
+  struct Asking {
+    Newton* newton;
+    ~Asking() {
+      if (newton) newton->is_abandoned = {};
+    }
+  };
+  const Asking asking{built_.dynamics().newton()};
+  if (asking.newton) asking.newton->is_abandoned = is_abandoned;
+  built_.dynamics().step(dt, clock_.time());
 }
 
 void StepControl::make_step() {
@@ -124,13 +138,17 @@ void StepControl::make_one_step() {
     throw NumericalError("the stable step is " + std::to_string(dt) +
                          " s, so the run cannot continue");
   clock_.advance();
-  last_dt_ = dt;  // and not the difference of two times: forces stay good while dt is the same
+  // And not the difference of two times: forces stay good while dt is the same.
+  const double before = std::exchange(last_dt_, dt);
   try {
-    built_.dynamics().step(dt, clock_.time());
+    step_body(dt);
   } catch (const Error&) {
     throw;         // roll_back() decides
-  } catch (...) {  // of a term from outside: the run may go on
-    if (built_.dynamics().time() < clock_.time()) clock_.undo_advance();
+  } catch (...) {  // of a term from outside, or the step was given up: the run may go on
+    if (built_.dynamics().time() < clock_.time()) {
+      clock_.undo_advance();
+      last_dt_ = before;
+    }
     throw;
   }
 }
@@ -139,7 +157,12 @@ void StepControl::make_one_step() {
 void StepControl::make_accurate_step() {
   before_.save(*this);
   error_.begin();
-  while (!try_accurate_step()) continue;
+  try {
+    while (!try_accurate_step()) continue;
+  } catch (const StepAbandoned&) {
+    before_.load(*this);
+    throw;
+  }
 }
 
 /// False if the step has to be repeated, from the state at its start.

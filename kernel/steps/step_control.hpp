@@ -61,6 +61,9 @@ class StepControl {
   void balance();
   /// Called for each step that follows its error, for `suture run -v`.
   Notify on_detail{};
+  /// Asked while equations are solved: if true, step() and balance() throw StepAbandoned, and the
+  /// run is as it was before the step. None: nobody is asked.
+  std::function<bool()> is_abandoned{};
   /// Makes a step without checks, for estimates.
   void make_step();
   /// Calls `check` on the current state, which may evaluate forces there and fail like a step;
@@ -85,6 +88,7 @@ class StepControl {
 
  private:
   void make_one_step();
+  void step_body(double dt);
   void make_accurate_step();
   bool try_accurate_step();
   void tell_step(double start, const std::string& judgement) const;

@@ -257,6 +257,25 @@ class Interruptions(unittest.TestCase):
         self.assertEqual(sim.step(3), 3)
         self.assertEqual(sim.steps, steps + 3)
 
+    def test_control_c_gives_up_a_step_that_solves_equations(self):
+        def sagging():
+            return suture.Simulation(bar((40, 16, 16), gravity=[0, -1e-3, 0],
+                                         solver={"static": {}, "threads": 1}))
+
+        sim, other = sagging(), sagging()
+        before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+        try:
+            with self.assertRaises(KeyboardInterrupt):
+                signal.setitimer(signal.ITIMER_REAL, 0.02)  # Newton's method takes 0.1 s and more
+                sim.run()
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        self.assertEqual(sim.steps, 0)
+        np.testing.assert_array_equal(sim.position, sim.rest)
+        sim.run()
+        other.run()
+        np.testing.assert_array_equal(sim.position, other.position)
+
 
 class Leaks(unittest.TestCase):
     def test_cycles_are_collected(self):

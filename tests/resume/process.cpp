@@ -23,12 +23,18 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Listener : Observer {
-  Listener(Ran& result, std::optional<std::uint64_t> last) : ran(result), stop(last) {}
+  Listener(Ran& result, const Way& way) : ran(result), stop(way.stop), give_up(way.give_up) {}
   void on_message(const std::string& text) override { report(text); }
   bool stop_requested() override {
     const bool stops = stop && ran.questions >= *stop;
     ++ran.questions;
     return stops;
+  }
+  bool gives_up_step() override {
+    const bool gives_up = give_up && ran.questions_within >= *give_up;
+    ++ran.questions_within;
+    if (gives_up) stop = 0;
+    return gives_up;
   }
   void report(const std::string& text) {
     if (text.starts_with("resume with")) return;
@@ -36,7 +42,7 @@ struct Listener : Observer {
     ran.reported_at.push_back(ran.questions);
   }
   Ran& ran;
-  std::optional<std::uint64_t> stop;
+  std::optional<std::uint64_t> stop, give_up;
 };
 
 std::string text_of(const RunSummary& s) {
@@ -61,7 +67,7 @@ void run(const Scene& scene, PluginHost& host, bool skips, const std::optional<C
   Diagnostics diagnostics;
   Simulation simulation(scene, host, diagnostics, skips);
   if (from) simulation.resume(*from, way.resume);
-  Listener listener(ran, way.stop);
+  Listener listener(ran, way);
   diagnostics.on_warning = [&](const std::string& text) { listener.report(text); };
   const RunSummary summary = simulation.run(listener);
   ran.end = text_of(summary);

@@ -17,9 +17,10 @@ namespace suture::test {
 struct Way {
   unsigned threads = 1;
   bool checkpoints = false;
-  std::uint64_t every_steps = 0;        ///< 0: only where it is stopped
-  std::optional<std::uint64_t> stop{};  ///< at so many questions whether to stop: a step each
-  std::filesystem::path resume{};       ///< a checkpoint
+  std::uint64_t every_steps = 0;           ///< 0: only where it is stopped
+  std::optional<std::uint64_t> stop{};     ///< at so many questions whether to stop: a step each
+  std::optional<std::uint64_t> give_up{};  ///< at so many questions within steps, and stop then
+  std::filesystem::path resume{};          ///< a checkpoint
 };
 
 /// The result of a run.
@@ -29,7 +30,7 @@ struct Ran {
   bool was_stopped = false;
   std::vector<std::string> messages;       ///< and warnings, from the first step on
   std::vector<std::uint64_t> reported_at;  ///< questions before each
-  std::uint64_t questions = 0, steps = 0;
+  std::uint64_t questions = 0, questions_within = 0, steps = 0;
   double seconds = 0;
 };
 

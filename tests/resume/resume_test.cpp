@@ -138,8 +138,14 @@ class Stops {
   void stop_here() {
     const fs::path out = folder_ / "out";
     Way way{threads(), true};
-    way.stop = some_question();
-    say("stopped at " + std::to_string(*way.stop));
+    if (whole_.questions_within > 0 && random_.chance(0.7)) {
+      way.give_up = static_cast<std::uint64_t>(
+          random_.between(0, static_cast<double>(whole_.questions_within - 1)));
+      say("gave up a step at question " + std::to_string(*way.give_up));
+    } else {
+      way.stop = some_question();
+      say("stopped at " + std::to_string(*way.stop));
+    }
     Ran ran = run_here(case_, files(), out, way);
     while (ran.was_stopped) {
       ++stops_;

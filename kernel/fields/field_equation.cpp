@@ -257,11 +257,13 @@ void FieldEquation::keep() {
   kept_.assign(std::size_t{vertices()} * 3, 0);
   for_each_value([&](Index v, std::size_t c, std::size_t i) { kept_[i] = value(v, c); });
   kept_booked_ = booked_;
+  kept_iterations_ = iterations_;
 }
 
 void FieldEquation::restore() {
   for_each_value([&](Index v, std::size_t c, std::size_t i) { value(v, c) = kept_[i]; });
   booked_ = kept_booked_;
+  iterations_ = kept_iterations_;
 }
 
 /// The values are those of the attributes.

@@ -79,7 +79,8 @@ class FieldEquation {
   bool feels_motion() const { return rates_.reads_motion(); }
   /// The longest stable step, s: 1 / lambda, lambda a bound on the eigenvalues of -C^-1 dr/du.
   double stable_step(double time);
-  /// Iterations of conjugate gradients since the start, and how many of them used the multigrid.
+  /// Iterations of conjugate gradients in the steps that were made, and how many of them used the
+  /// multigrid.
   struct Iterations {
     std::uint64_t all = 0, with_multigrid = 0;
   };
@@ -194,7 +195,7 @@ class FieldEquation {
   Contents before_change_{};  ///< before an operation
   double stable_ = 0;         ///< s; 0: to be found
   std::uint64_t steps_since_ = 0;
-  Iterations iterations_;
+  Iterations iterations_, kept_iterations_;
   // Newton's method works with these, of 3 numbers per vertex:
   std::vector<double> before_, diagonal_, sums_, residual_, change_, rest_, correction_;
   std::vector<char> is_free_;

@@ -202,6 +202,10 @@ OnInversion read_on_inversion(ObjectReader& object) {
 void read_solver(const JsonValue& value, Reading& reading) {
   SolverOptions& solver = reading.scene.solver;
   ObjectReader object(value, "/solver", reading.mistakes);
+  const JsonValue* const named = object.find("integrator");
+  if (named && named->kind == JsonValue::Kind::string && named->text == statics)
+    return object.complain("integrator",
+                           "equilibria have no integrator; replace it by \"static\": {}");
   std::vector<std::string> integrators = integrator_names();
   std::erase(integrators, statics);
   if (const auto choice = object.choice("integrator", integrators))

@@ -132,6 +132,7 @@ TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
       {"/solver/dt=-1e-3", 3, "must be > 0 s"},
       {"/solver/end=0", 3, "> 0 s"},
       {"/solver/integrator=newmarck", 3, "did you mean 'newmark'"},
+      {"/solver/integrator=static", 3, "replace it by \"static\": {}"},
       {"/solver={\"integrator\": \"implicit-euler\", \"end\": 1}", 3,
        "'dt' must be a number (s) for"},
       {"/solver={\"integrator\": \"newmark\", \"end\": 1, \"step_error\": 1e-12}", 3, ">= 1e-09"},

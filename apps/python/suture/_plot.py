@@ -122,12 +122,14 @@ def draw(frames, panels):
     from matplotlib import rc_context
 
     panels = limited(panels)
-    rows = (len(panels) + len(frames) + 1) // 2
+    count = len(panels) + len(frames)
+    columns = min(count, 2)
+    rows = -(-count // columns)
     style = {"font.size": 8, "axes.spines.top": False, "axes.spines.right": False}
     with rc_context(style):
-        figure = Figure(figsize=(10, 3 * rows), constrained_layout=True)
+        figure = Figure(figsize=(10, 3 * rows if columns == 2 else 6), constrained_layout=True)
         FigureCanvasAgg(figure)
-        places = list(figure.subplots(rows, 2, squeeze=False).flat)
+        places = list(figure.subplots(rows, columns, squeeze=False).flat)
         limits = _limits(frames)
         for frame in frames:
             draw_frame(places.pop(0), frame, limits[frame.field])

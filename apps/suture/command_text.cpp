@@ -23,8 +23,7 @@ constexpr Note exit_codes[] = {
     {"6", "file system or memory"},
     {"128 + n",
      "stopped by signal n (130: Ctrl-C; the first finishes or gives up the step and writes a "
-     "frame, the second "
-     "kills the process)"}};
+     "frame, the second kills the process)"}};
 
 constexpr Note environment[] = {{"SUTURE_ISA=avx512|avx2|base", "limits the instruction set"},
                                 {"SUTURE_PLUGIN_PATH", "folders of plugins"},

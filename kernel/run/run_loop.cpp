@@ -288,10 +288,10 @@ std::optional<RunSummary::Outcome> RunLoop::loop(const Pause& pause, Observer& o
       [&](const Newton::Iteration& iteration) { report_progress(observer, &iteration); });
   const StepControl::Notify notify = notify_to(observer);
   began_ = reported_ = Wall::now();
-  const std::uint64_t first_step = began_at_ = clock_.step();
+  began_at_ = clock_.step();
   const auto pauses = [&] {
     return (pause.time && clock_.reached(*pause.time)) ||
-           (pause.steps && clock_.step() >= first_step + *pause.steps);
+           (pause.steps && clock_.step() >= began_at_ + *pause.steps);
   };
   std::optional<RunSummary::Outcome> outcome = RunSummary::Outcome::interrupted;
   while (!stops(observer)) {

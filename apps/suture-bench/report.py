@@ -77,7 +77,7 @@ def plot_force(tables, docs):
 
 
 def plot_scaling(tables, docs):
-    for i, (name, table) in enumerate(t for t in tables.items() if "speed-up" in t[1]["rows"][0]):
+    for i, (name, table) in enumerate(t for t in tables.items() if "sequential ms/step" in t[1]["rows"][0]):
         for kind, style in (("sequential", "--"), ("parallel", "-")):
             plt.loglog(column(table, "elements"), column(table, f"{kind} ms/step"), "o" + style,
                        color=f"C{i}", markersize=3, label=f"{name.split(': ')[1]}, {kind}")

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The paper's Fig. 8: growing beams of cubes of 0.025 m, on one thread and on many.
+// The paper's Fig. 8: growing beams of cubes of 0.025 m, on one thread and on many; and static
+// equilibria likewise.
 #include <algorithm>
 #include <thread>
+#include <vector>
 
+#include "apps/suture-bench/cantilever.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/machine.hpp"
 #include "apps/suture-bench/timer.hpp"
@@ -68,6 +71,32 @@ void measure_beam(const ScalingCase& c, Index n, const ScalingOptions& options, 
                  .add("s per s", step.many / many.dt()));
 }
 
+/// The wall clock of an equilibrium from rest.
+double seconds_of_equilibrium(PluginHost& host, Index n, unsigned threads) {
+  BodyOptions options = options_of(cantilever("A0.25"), host.model("tm-faure"),
+                                   {.across = n, .element = "trilinear"});
+  options.threads = threads;
+  BenchBody body(host, options);
+  const double begin = wall();
+  body.dynamics().step(1, 1);
+  return wall() - begin;
+}
+
+void measure_equilibrium(Index n, const ScalingOptions& options, PluginHost& host, Report& report) {
+  std::vector<double> one, many;
+  for (int round = 0; round < std::min(options.rounds, 3); ++round) {
+    one.push_back(seconds_of_equilibrium(host, n, 1));
+    many.push_back(seconds_of_equilibrium(host, n, options.threads));
+  }
+  const double elements = 4.0 * n * n * n;
+  report.add(Line()
+                 .add("elements", elements)
+                 .add("sequential s", median(one))
+                 .add("parallel s", median(many))
+                 .add("speed-up", median(one) / median(many))
+                 .add("us/el", 1e6 * median(many) / elements));
+}
+
 void run_scaling(const ScalingOptions& options, Report& report) {
   PluginHost host;
   const Machine &one = machine(1), &many = machine(options.threads);
@@ -89,6 +118,12 @@ void run_scaling(const ScalingOptions& options, Report& report) {
                      std::to_string(options.threads) + " threads in turn");
     for (const Index n : options.across) measure_beam(c, n, options, host, report);
   }
+  report.begin(
+      "scaling: static",
+      "the cantilever of `static` at a quarter of its weight, equilibria from rest to 1e-8, "
+      "medians of up to 3, 1 and " +
+          std::to_string(options.threads) + " threads in turn");
+  for (const Index n : options.across) measure_equilibrium(n, options, host, report);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ void solve(const std::string& name, Preconditioner& preconditioner, const Tangen
 void measure_solvers(const SolveCase& what, const SolveOptions& options, PluginHost& host,
                      Report& report) {
   const auto body = body_of(what, host);
-  TangentMatrix a(body->attributes(), body->terms());
+  TangentMatrix a(body->attributes(), body->terms(), body->models().workers());
   a.set(0, options.dt > 0 ? 1 / (options.dt * options.dt) : 0);
   const std::vector<double> b = load_of(a, *body);
   const auto elements = static_cast<double>(body->complex().existing(3));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <type_traits>
@@ -56,5 +57,23 @@ class Workers {
   unsigned threads_;
   std::unique_ptr<Arena> arena_;
 };
+
+/// Calls one(i) for i = 0 .. count-1, on the threads of `workers` if given.
+template <class One>
+void for_each_of(std::size_t count, const Workers* workers, One&& one) {
+  if (workers != nullptr)
+    workers->parallel_for(count, one);
+  else
+    for (std::size_t i = 0; i < count; ++i) one(i);
+}
+
+/// Calls visit(first, last, chunk) for chunks of 0 .. count-1, on the threads of `workers` if
+/// given. Chunks have `size` entries, but for the last one.
+template <class Visit>
+void for_chunks(std::size_t count, std::size_t size, const Workers* workers, Visit&& visit) {
+  for_each_of((count + size - 1) / size, workers, [&](std::size_t chunk) {
+    visit(chunk * size, std::min(count, (chunk + 1) * size), chunk);
+  });
+}
 
 }  // namespace suture

@@ -28,7 +28,7 @@ FieldEquation::FieldEquation(Attributes& attributes, const CellComplex& complex,
       has_dissipation_(rates_.has_dissipation()),
       fluxes_(attributes),
       paths_of_(attributes.vertex_count() * components_, 0),
-      matrix_(attributes, terms_) {}
+      matrix_(attributes, terms_, rates_.workers()) {}
 
 // --------------------------------------------------------------- conditions --
 

@@ -144,7 +144,7 @@ bool FieldEquation::solve_definite() {
   double tolerance = krylov_tolerance;
   if (!is_built_) {
     const LinearSolve first = solver_.solve(product, by_diagonal, residual_, change_,
-                                            krylov_tolerance, simple_iterations);
+                                            krylov_tolerance, simple_iterations, matrix_.workers());
     iterations_.all += first.iterations;
     if (first.outcome != LinearSolve::Outcome::too_many)
       return first.outcome == LinearSolve::Outcome::converged || first.iterations != 0;

@@ -142,6 +142,7 @@ class ForceLoop final : public ForceTerm,
   /// 3 products with the tangent per node of a cell: 24 for hexahedra.
   void for_each_tangent(double dx, double dv, const TangentTime& at,
                         const VisitTangents& visit) override;
+  void for_each_piece(double dx, double dv, const TangentTime& at, TangentPieces& pieces) override;
   void for_some_tangents(double dx, double dv, const TangentTime& at, const SelectCell& select,
                          const VisitTangents& visit) override;
   /// From the tangents of some cells of every functor; true if a functor has none.

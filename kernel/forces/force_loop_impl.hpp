@@ -247,11 +247,10 @@ struct ForceLoop::Impl {
     return false;
   }
   Index cell_functor(Index number) const;
-  template <class Run>
-  void with_tangent_columns(Index number, double dx, double dv, const TangentTime& at,
-                            const VisitTangents& visit, Run run_batches);
-  void for_each_tangent(Index number, double dx, double dv, const TangentTime& at,
-                        const VisitTangents& visit);
+  const loops::Job& tangent_job(Index number, const TangentTime& at);
+  class CellMatrices;
+  void for_each_piece(Index number, double dx, double dv, const TangentTime& at,
+                      TangentPieces& pieces);
   void for_some_tangents(Index number, double dx, double dv, const TangentTime& at,
                          const SelectCell& select, const VisitTangents& visit);
 

@@ -220,54 +220,124 @@ Index ForceLoop::Impl::cell_functor(Index number) const {
   return acts_on_lips(functors[number].functor()) ? link_functor : number;
 }
 
-/// Calls run(job, worker, visit of a batch) for the functor.
-template <class Run>
-void ForceLoop::Impl::with_tangent_columns(Index number, double dx, double dv,
-                                           const TangentTime& at, const VisitTangents& visit,
-                                           Run run_batches) {
-  const auto* extension = functors[number].extension<suture_tangent_1>(SUTURE_TANGENT_1);
+const loops::Job& ForceLoop::Impl::tangent_job(Index number, const TangentTime& at) {
   CompiledFunctor& functor = functors[number];
-  const loops::Job& job =
-      functor.job(attributes, *complex, functor.cells().live(), at.time, at.dt, nullptr);
-  const auto worker =
-      workers[0].prepare(job, functor.instance().context(0), number, functor.call("tangent"));
-  const PluginScope scope(workers[0].call);
-  VisitColumns columns(TangentColumns(*extension, job.node_count, functor.components(), dx, dv),
-                       job, cell_functor(number));
-  const auto check = [this](auto values, Index valid) { check_results(values, valid); };
-  run_batches(job, worker, [&](suture_batch& batch, const loops::BatchRows& rows) {
-    return columns(worker.context, batch, rows, check, visit);
-  });
+  return functor.job(attributes, *complex, functor.cells().live(), at.time, at.dt, nullptr);
 }
 
-void ForceLoop::Impl::for_each_tangent(Index number, double dx, double dv, const TangentTime& at,
-                                       const VisitTangents& visit) {
+/// The matrices of a functor's cells, for one thread.
+class ForceLoop::Impl::CellMatrices {
+ public:
+  CellMatrices(Impl& impl, Index number, const loops::Job& job, double dx, double dv,
+               unsigned thread = 0)
+      : impl_(impl),
+        functor_(impl.functors[number]),
+        job_(job),
+        number_(number),
+        thread_(thread),
+        columns_(TangentColumns(*functor_.extension<suture_tangent_1>(SUTURE_TANGENT_1),
+                                job.node_count, functor_.components(), dx, dv),
+                 job, impl.cell_functor(number)) {}
+
+  /// Calls run(worker, visit of a batch).
+  template <class Run>
+  void operator()(const VisitTangents& visit, Run run) {
+    WorkerMemory& memory = impl_.workers[thread_];
+    const auto worker = memory.prepare(job_, functor_.instance().context(thread_), number_,
+                                       functor_.call("tangent"));
+    const PluginScope scope(memory.call);
+    const auto check = [this](auto values, Index valid) { impl_.check_results(values, valid); };
+    run(worker, [&](suture_batch& batch, const loops::BatchRows& rows) {
+      return columns_(worker.context, batch, rows, check, visit);
+    });
+  }
+
+ private:
+  Impl& impl_;
+  CompiledFunctor& functor_;
+  const loops::Job& job_;
+  Index number_;
+  unsigned thread_;
+  VisitColumns columns_;
+};
+
+namespace {
+
+/// The rows of a list in pieces of whole batches, in the order of its chunks.
+std::vector<loops::Rows> pieces_of(const BatchList& list) {
+  constexpr Index most = 128;
+  std::vector<loops::Rows> pieces;
+  for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
+    for (loops::Rows left : list.ranges(chunk))
+      while (left.begin < left.end) {
+        const Index end = std::min(left.end, (left.begin + most) / lanes * lanes);
+        pieces.push_back({left.begin, end});
+        left.begin = end;
+      }
+  return pieces;
+}
+
+}  // namespace
+
+void ForceLoop::Impl::for_each_piece(Index number, double dx, double dv, const TangentTime& at,
+                                     TangentPieces& pieces) {
   const BatchList& list = functors[number].list();
-  with_tangent_columns(number, dx, dv, at, visit,
-                       [&](const loops::Job& job, const loops::Worker& worker, auto one) {
-                         for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
-                           for_each_batch(job, worker, list.ranges(chunk), one);
+  const loops::Job& job = tangent_job(number, at);
+  const bool is_shared = pieces.slots() > 1 && pays(functors[number], list);
+  std::vector<CellMatrices> matrices;
+  for (unsigned thread = 0; thread < (is_shared ? threads.threads() : 1); ++thread)
+    matrices.emplace_back(*this, number, job, dx, dv, thread);
+
+  const std::vector<loops::Rows> rows = pieces_of(list);
+  const std::size_t slots = is_shared ? pieces.slots() : 1;
+  for (std::size_t first = 0; first < rows.size(); first += slots) {
+    const std::size_t count = std::min(slots, rows.size() - first);
+    const auto visit_slot = [&](std::size_t slot, unsigned thread) {
+      matrices[thread]([&](const CellTangents& cells) { pieces.visit(slot, cells); },
+                       [&](const loops::Worker& worker, auto one) {
+                         for_each_batch(job, worker, {&rows[first + slot], 1}, one);
                        });
+    };
+    if (is_shared)
+      threads.parallel_for(count, visit_slot);
+    else
+      visit_slot(0, 0);
+    for (std::size_t slot = 0; slot < count; ++slot) pieces.end_piece(slot);
+  }
 }
 
 void ForceLoop::Impl::for_some_tangents(Index number, double dx, double dv, const TangentTime& at,
                                         const SelectCell& select, const VisitTangents& visit) {
   const BatchList& list = functors[number].list();
-  with_tangent_columns(
-      number, dx, dv, at, visit, [&](const loops::Job& job, const loops::Worker& worker, auto one) {
-        const auto is_selected = [&](Index row) {
-          return select({1, job.node_count, nodes_of(job, row), nullptr, cell_functor(number)});
-        };
-        for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
-          for_selected(job, worker, list.ranges(chunk), is_selected, one);
-      });
+  const loops::Job& job = tangent_job(number, at);
+  CellMatrices matrices(*this, number, job, dx, dv);
+  matrices(visit, [&](const loops::Worker& worker, auto one) {
+    const auto is_selected = [&](Index row) {
+      return select({1, job.node_count, nodes_of(job, row), nullptr, cell_functor(number)});
+    };
+    for (Index chunk = 0; chunk < list.chunk_count(); ++chunk)
+      for_selected(job, worker, list.ranges(chunk), is_selected, one);
+  });
+}
+
+void ForceLoop::for_each_piece(double dx, double dv, const TangentTime& at, TangentPieces& pieces) {
+  for (Index i = 0; i < impl_->functors.size(); ++i)
+    if (!impl_->functors[i].skipped()) impl_->for_each_piece(i, dx, dv, at, pieces);
+  impl_->raise_failures(at.time);
 }
 
 void ForceLoop::for_each_tangent(double dx, double dv, const TangentTime& at,
                                  const VisitTangents& visit) {
-  for (Index i = 0; i < impl_->functors.size(); ++i)
-    if (!impl_->functors[i].skipped()) impl_->for_each_tangent(i, dx, dv, at, visit);
-  impl_->raise_failures(at.time);
+  class OneByOne final : public TangentPieces {
+   public:
+    explicit OneByOne(const VisitTangents& visit) : TangentPieces(1), visit_(visit) {}
+    void visit(std::size_t, const CellTangents& cells) override { visit_(cells); }
+    void end_piece(std::size_t) override {}
+
+   private:
+    const VisitTangents& visit_;
+  } pieces(visit);
+  for_each_piece(dx, dv, at, pieces);
 }
 
 void ForceLoop::for_some_tangents(double dx, double dv, const TangentTime& at,

@@ -90,6 +90,25 @@ class TangentTerm {
   ~TangentTerm() = default;
 };
 
+/// What visits the matrices of cells in pieces, several of which may be visited at once.
+class TangentPieces {
+ public:
+  /// `slots`: pieces at once.
+  explicit TangentPieces(std::size_t slots) : slots_(slots) {}
+  std::size_t slots() const { return slots_; }
+
+  /// Some cells of the piece in a slot. On any thread, but on one thread at a time for each slot.
+  virtual void visit(std::size_t slot, const CellTangents& cells) = 0;
+  /// The piece in a slot is complete. On the calling thread, in the order of the pieces.
+  virtual void end_piece(std::size_t slot) = 0;
+
+ protected:
+  ~TangentPieces() = default;
+
+ private:
+  std::size_t slots_;
+};
+
 /// A tangent that is a sum over cells. A term without it is missing from preconditioners, which
 /// only makes solvers slower.
 class CellTangentTerm {
@@ -98,6 +117,13 @@ class CellTangentTerm {
   /// Visits dx df/dx + dv df/dv of all its cells, in a fixed order, on this thread.
   virtual void for_each_tangent(double dx, double dv, const TangentTime& at,
                                 const VisitTangents& visit) = 0;
+  /// The same in pieces, which do not depend on the number of slots or threads.
+  virtual void for_each_piece(double dx, double dv, const TangentTime& at, TangentPieces& pieces) {
+    for_each_tangent(dx, dv, at, [&](const CellTangents& cells) {
+      pieces.visit(0, cells);
+      pieces.end_piece(0);
+    });
+  }
   /// Whether the tangent of one cell is wanted; it has no values that could be read.
   using SelectCell = std::function<bool(const CellTangents&)>;
   /// The same for a selection: `select` is asked about every cell, in the order of the visits.

@@ -39,25 +39,8 @@ inline Row4 centroid_of(const Hexahedron& corners, const Places& places) {
   return sum;
 }
 
-/// Calls one(i) for i = 0 .. count-1, on the threads of `workers` if given.
-template <class One>
-void for_each_of(std::size_t count, const Workers* workers, One&& one) {
-  if (workers != nullptr)
-    workers->parallel_for(count, one);
-  else
-    for (std::size_t i = 0; i < count; ++i) one(i);
-}
-
-/// Calls visit(first, last, chunk) for chunks of 0 .. count-1, on the threads of `workers` if
-/// given. Chunks have 16,384 entries.
+/// How many vertices or elements a thread takes at once.
 inline constexpr std::size_t chunk_size = 16384;
-template <class Visit>
-void for_chunks(std::size_t count, const Workers* workers, Visit&& visit) {
-  const std::size_t chunks = (count + chunk_size - 1) / chunk_size;
-  for_each_of(chunks, workers, [&](std::size_t chunk) {
-    visit(chunk * chunk_size, std::min(count, (chunk + 1) * chunk_size), chunk);
-  });
-}
 
 /// The message for a blade that has cut nothing: it lies outside the body, or it meets the body's
 /// bounding box but separates no two elements (or, if it divides elements, holds no whole section

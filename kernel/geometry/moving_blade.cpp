@@ -220,10 +220,11 @@ std::vector<Dart> MovingBlade::advance(const CellComplex& complex, const Places&
   const std::vector<Index> elements = elements_to_check(complex, step);
   std::vector<std::vector<Dart>> cut(elements.size() / chunk_size + 1);
   std::vector<CheckResult> found(elements.size());
-  for_chunks(elements.size(), workers, [&](std::size_t first_one, std::size_t end, std::size_t c) {
-    for (std::size_t i = first_one; i < end; ++i)
-      found[i] = check(complex, step, elements[i], cut[c]);
-  });
+  for_chunks(elements.size(), chunk_size, workers,
+             [&](std::size_t first_one, std::size_t end, std::size_t c) {
+               for (std::size_t i = first_one; i < end; ++i)
+                 found[i] = check(complex, step, elements[i], cut[c]);
+             });
   for (std::size_t i = 0; i < elements.size(); ++i) record(elements[i], found[i]);
   for (const auto& part : cut) faces.insert(faces.end(), part.begin(), part.end());
   return faces;

@@ -56,7 +56,7 @@ bool TissueBlocks::move(const CellComplex& complex, const Places& places, const 
   now_.resize(vertices);
   boxes_now_.resize(blocks_of(vertices, per_box));
   moved_.assign(boxes_now_.size(), -1);
-  for_chunks(vertices, workers, [&](std::size_t begin, std::size_t end, std::size_t) {
+  for_chunks(vertices, chunk_size, workers, [&](std::size_t begin, std::size_t end, std::size_t) {
     find_boxes(begin, end, places);
   });
   if (followed) return true;

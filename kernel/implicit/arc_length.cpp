@@ -24,7 +24,9 @@ constexpr double first_stiffness = 10, stiffer = 10, largest_stiffness = 1e5;
 }  // namespace
 
 ArcLength::ArcLength(LoadPath& path)
-    : path_(path), matrix_(path.motion().body().attributes(), path.motion().body().terms()) {}
+    : path_(path),
+      matrix_(path.motion().body().attributes(), path.motion().body().terms(),
+              path.motion().body().models().workers()) {}
 
 void ArcLength::solve(const StepEquations& equations) {
   path_.begin(equations);

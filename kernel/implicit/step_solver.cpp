@@ -31,7 +31,9 @@ double decrease_to(double residual) { return -std::log(std::clamp(residual, 1e-1
 }  // namespace
 
 StepSolver::StepSolver(Motion& motion)
-    : motion_(motion), matrix_(motion.body().attributes(), motion.body().terms()) {}
+    : motion_(motion),
+      matrix_(motion.body().attributes(), motion.body().terms(), motion.body().models().workers()) {
+}
 
 void StepSolver::start(double time) {
   is_chosen_ = false;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernel/base/aligned.hpp"
+#include "kernel/base/parallel.hpp"
 #include "kernel/solvers/coarsening.hpp"
 
 namespace suture {
@@ -63,9 +64,9 @@ class BlockRows {
 void mirror(BlockRows<double>& a);
 
 /// y = A x, in rows of 4 (single_vector.hpp). `x` and `y` must differ.
-void multiply(const BlockRows<float>& a, const float* x, float* y);
+void multiply(const BlockRows<float>& a, const float* x, float* y, const Workers* workers);
 
 /// The same matrix in single precision.
-BlockRows<float> in_single(const BlockRows<double>& a);
+BlockRows<float> in_single(const BlockRows<double>& a, const Workers* workers);
 
 }  // namespace suture

@@ -2,6 +2,7 @@
 #include "kernel/solvers/cell_projection.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernel/solvers/clones.hpp"
 
@@ -99,20 +100,8 @@ std::size_t upper(std::size_t a, std::size_t b) { return b * (b + 1) / 2 + a; }
 }  // namespace
 
 CellProjection::CellProjection(const Interpolation& interpolation,
-                               const std::vector<std::uint8_t>& free, BlockRows<double>& sum)
-    : p_(interpolation),
-      free_(free),
-      sum_(sum),
-      place_(sum.pattern().rows()),
-      diagonal_(sum.pattern().rows()),
-      number_(sum.pattern().rows()) {
-  const BlockPattern& pattern = sum.pattern();
-  for (Index row = 0; row < pattern.rows(); ++row) {
-    const auto columns = pattern.row(row);
-    const auto found = std::ranges::lower_bound(columns, row) - columns.begin();
-    diagonal_[row] = pattern.begin[row] + static_cast<Index>(found);
-  }
-}
+                               const std::vector<std::uint8_t>& free, Index coarse_nodes, Add add)
+    : p_(interpolation), free_(free), add_(std::move(add)), place_(coarse_nodes) {}
 
 void CellProjection::subtract(const CellTangents& cells, std::span<const float> weights) {
   list_nodes(cells);
@@ -205,7 +194,7 @@ void CellProjection::collect(std::size_t first, std::size_t end, bool is_last,
   const auto factor = [&](std::size_t l) { return weights.empty() ? -1 : -double{weights[l]}; };
   if (nodes != pending_nodes_) {
     finish();
-    if (end == first + 1 && !is_last) return add(nodes, factor(first), values(first));
+    if (end == first + 1 && !is_last) return add_(nodes, factor(first), values(first));
     pending_nodes_ = nodes;
     pending_.assign(upper(0, nodes.size()) * 9, 0.0);
   }
@@ -214,14 +203,24 @@ void CellProjection::collect(std::size_t first, std::size_t end, bool is_last,
 }
 
 void CellProjection::finish() {
-  add(pending_nodes_, 1, pending_.data());
+  if (!pending_nodes_.empty()) add_(pending_nodes_, 1, pending_.data());
   pending_nodes_.clear();
   pending_.clear();
 }
 
-/// Adds factor * values, blocks of the upper triangle, to the rows of some nodes. The places of the
-/// blocks are those of the nodes' numbers among the columns; no branch depends on a column.
-void CellProjection::add(std::span<const Index> nodes, double factor, const double* values) {
+UpperSum::UpperSum(BlockRows<double>& sum)
+    : sum_(sum), diagonal_(sum.pattern().rows()), number_(sum.pattern().rows()) {
+  const BlockPattern& pattern = sum.pattern();
+  for (Index row = 0; row < pattern.rows(); ++row) {
+    const auto columns = pattern.row(row);
+    const auto found = std::ranges::lower_bound(columns, row) - columns.begin();
+    diagonal_[row] = pattern.begin[row] + static_cast<Index>(found);
+  }
+}
+
+/// The places of the blocks are those of the nodes' numbers among the columns; no branch depends on
+/// a column.
+void UpperSum::add(std::span<const Index> nodes, double factor, const double* values) {
   const BlockPattern& pattern = sum_.pattern();
   targets_.resize(nodes.size() + 1);
   for (std::size_t k = 0; k < nodes.size(); ++k) number_[nodes[k]] = static_cast<Index>(k + 1);
@@ -233,6 +232,25 @@ void CellProjection::add(std::span<const Index> nodes, double factor, const doub
                nodes.size() - a, sum_.block(0));
   }
   for (const Index node : nodes) number_[node] = 0;
+}
+
+void KeptBlocks::keep(std::span<const Index> nodes, double factor, const double* values) {
+  entries_.push_back({nodes.size(), factor});
+  nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
+  values_.insert(values_.end(), values, values + upper(0, nodes.size()) * 9);
+}
+
+void KeptBlocks::add_to(UpperSum& sum) {
+  const Index* node = nodes_.data();
+  const double* values = values_.data();
+  for (const Entry& entry : entries_) {
+    sum.add({node, entry.nodes}, entry.factor, values);
+    node += entry.nodes;
+    values += upper(0, entry.nodes) * 9;
+  }
+  entries_.clear();
+  nodes_.clear();
+  values_.clear();
 }
 
 }  // namespace suture

@@ -155,15 +155,19 @@ Term term_of(unsigned i, unsigned steps, float largest) {
 
 }  // namespace
 
-void Chebyshev::set(const DiagonalBlocks& inverse, const SingleProduct& multiply) {
+void Chebyshev::set(const DiagonalBlocks& inverse, const SingleProduct& multiply,
+                    const Workers* workers) {
   // The estimate is a lower bound.
   constexpr double safety = 1.1;
+  workers_ = workers;
   inverse_.assign(inverse.size() * 6 + 1, 0);
-  for (std::size_t v = 0; v < inverse.size(); ++v) {
-    const Eigen::Matrix3f b = inverse[v].cast<float>();
-    const float values[] = {b(0, 0), b(1, 1), b(2, 2), b(1, 0), b(2, 1), b(2, 0)};
-    std::ranges::copy(values, inverse_.data() + v * 6);
-  }
+  for_vector_chunks(inverse.size(), workers_, [&](std::size_t first, std::size_t rows) {
+    for (std::size_t v = first; v < first + rows; ++v) {
+      const Eigen::Matrix3f b = inverse[v].cast<float>();
+      const float values[] = {b(0, 0), b(1, 1), b(2, 2), b(1, 0), b(2, 1), b(2, 0)};
+      std::ranges::copy(values, inverse_.data() + v * 6);
+    }
+  });
   d_ = single_vector(inverse.size());
   q_ = single_vector(inverse.size());
   s_ = single_vector(inverse.size());
@@ -174,56 +178,75 @@ void Chebyshev::set(const DiagonalBlocks& inverse, const SingleProduct& multiply
 double Chebyshev::estimate(const SingleProduct& multiply) const {
   constexpr unsigned steps = 10;
   const std::size_t rows = d_.size() / 4;
-  const float* const inverse = inverse_.data();
   SingleVector r = random_vector(rows);
   Tridiagonal lanczos;
   double rz = 0;
   for (unsigned i = 0; i < steps; ++i) {
-    const double last = std::exchange(rz, precondition(inverse, rows_of(r), rows_of(s_), rows));
+    const double last = std::exchange(
+        rz, sum_vector_chunks(rows, workers_, [&](std::size_t first, std::size_t count) {
+          return precondition(&inverse_[6 * first], rows_of(r) + first, rows_of(s_) + first, count);
+        }));
     const double keep = i == 0 ? 0 : rz / last;
     if (!(rz > 0)) break;
-    combine(static_cast<float>(keep), rows_of(s_), rows_of(d_), rows);
+    for_vector_chunks(rows, workers_, [&](std::size_t first, std::size_t count) {
+      combine(static_cast<float>(keep), rows_of(s_) + first, rows_of(d_) + first, count);
+    });
     multiply(d_.data(), q_.data());
-    const double step = rz / dot(d_, q_);
+    const double step = rz / dot(d_, q_, workers_);
     if (!std::isfinite(step)) break;
     lanczos.add(step, keep);
-    add(static_cast<float>(-step), rows_of(q_), rows_of(r), rows);
+    add(static_cast<float>(-step), q_, r);
   }
   return lanczos.largest();
 }
 
+void Chebyshev::add(float factor, const SingleVector& from, SingleVector& to) const {
+  for_vector_chunks(to.size() / 4, workers_, [&](std::size_t first, std::size_t rows) {
+    suture::add(factor, rows_of(from) + first, rows_of(to) + first, rows);
+  });
+}
+
 void Chebyshev::smooth(const SingleProduct& multiply, unsigned steps, SingleVector& x,
                        SingleVector& r) const {
-  const std::size_t rows = x.size() / 4;
-  const float* const inverse = inverse_.data();
   if (!(largest_ > 0)) {
     std::ranges::fill(x, 0.0f);
     return;
   }
+  const std::size_t rows = x.size() / 4;
   Term term = term_of(0, steps, largest_);
-  begin(term, inverse, rows_of(r), rows_of(d_), rows_of(x), rows);
+  for_vector_chunks(rows, workers_, [&](std::size_t first, std::size_t count) {
+    begin(term, &inverse_[6 * first], rows_of(r) + first, rows_of(d_) + first, rows_of(x) + first,
+          count);
+  });
   for (unsigned i = 1;; ++i) {
     multiply(d_.data(), q_.data());
     const float last = term.part;
-    if (i == steps) return add(-last, rows_of(q_), rows_of(r), rows);
+    if (i == steps) return add(-last, q_, r);
     term = term_of(i, steps, largest_);
-    advance(term, last, inverse, rows_of(q_), rows_of(i == 1 ? r : s_), rows_of(s_), rows_of(r),
-            rows_of(d_), rows_of(x), rows);
+    for_vector_chunks(rows, workers_, [&](std::size_t first, std::size_t count) {
+      advance(term, last, &inverse_[6 * first], rows_of(q_) + first,
+              rows_of(i == 1 ? r : s_) + first, rows_of(s_) + first, rows_of(r) + first,
+              rows_of(d_) + first, rows_of(x) + first, count);
+    });
   }
 }
 
 void Chebyshev::correct(const SingleProduct& multiply, unsigned steps,
                         const SingleVector& correction, SingleVector& x, SingleVector& r) const {
+  if (!(largest_ > 0)) return add(1, correction, x);
   const std::size_t rows = x.size() / 4;
-  const float* const inverse = inverse_.data();
-  if (!(largest_ > 0)) return add(1, rows_of(correction), rows_of(x), rows);
   multiply(correction.data(), q_.data());
-  begin_corrected(term_of(0, steps, largest_), inverse, rows_of(q_), rows_of(correction),
-                  rows_of(r), rows_of(d_), rows_of(x), rows);
+  for_vector_chunks(rows, workers_, [&](std::size_t first, std::size_t count) {
+    begin_corrected(term_of(0, steps, largest_), &inverse_[6 * first], rows_of(q_) + first,
+                    rows_of(correction) + first, rows_of(r) + first, rows_of(d_) + first,
+                    rows_of(x) + first, count);
+  });
   for (unsigned i = 1; i < steps; ++i) {
     multiply(d_.data(), q_.data());
-    advance(term_of(i, steps, largest_), inverse, rows_of(q_), rows_of(r), rows_of(d_), rows_of(x),
-            rows);
+    for_vector_chunks(rows, workers_, [&](std::size_t first, std::size_t count) {
+      advance(term_of(i, steps, largest_), &inverse_[6 * first], rows_of(q_) + first,
+              rows_of(r) + first, rows_of(d_) + first, rows_of(x) + first, count);
+    });
   }
 }
 

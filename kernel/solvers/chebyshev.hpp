@@ -14,8 +14,8 @@ namespace suture {
 class Chebyshev {
  public:
   /// `inverse`: of the blocks D; 0 for components that are held. Estimates the largest eigenvalue
-  /// of D^-1 A, by 10 products.
-  void set(const DiagonalBlocks& inverse, const SingleProduct& multiply);
+  /// of D^-1 A, by 10 products. `workers` share loops from now on.
+  void set(const DiagonalBlocks& inverse, const SingleProduct& multiply, const Workers* workers);
   float largest() const { return largest_; }
 
   /// x = p(D^-1 A) D^-1 r, r -= A x. `steps` products.
@@ -30,10 +30,12 @@ class Chebyshev {
 
  private:
   double estimate(const SingleProduct& multiply) const;
+  void add(float factor, const SingleVector& from, SingleVector& to) const;
 
   AlignedVector<float> inverse_;    ///< xx, yy, zz, xy, yz, xz per node
   mutable SingleVector d_, q_, s_;  ///< scratch
   float largest_ = 0;
+  const Workers* workers_ = nullptr;
 };
 
 }  // namespace suture

@@ -55,7 +55,11 @@ CoarseSystem::CoarseSystem(const CoarseLevels& coarse, std::size_t level, const 
 
 void CoarseSystem::build(const TangentMatrix& a) {
   BlockRows<double> rows(levels_[level_].pattern);
-  CellProjection projection(p_, a.free(), rows);
+  UpperSum sum(rows);
+  CellProjection projection(p_, a.free(), static_cast<Index>(nodes()),
+                            [&](std::span<const Index> nodes, double factor, const double* values) {
+                              sum.add(nodes, factor, values);
+                            });
   sample_.for_each_cell(a, [&](const CellTangents& cells, std::span<const float> weights) {
     projection.subtract(cells, weights);
   });
@@ -85,7 +89,7 @@ std::vector<double> CoarseSystem::restrict(std::span<const double> r) const {
 /// The displacements of the vertices, scratch_[0].
 void CoarseSystem::prolong(const float* q) const {
   for (std::size_t l = level_; l > 0; --l) {
-    interpolate(levels_[l].to_finer, q, scratch_[l - 1].data());
+    interpolate(levels_[l], q, scratch_[l - 1].data());
     q = scratch_[l - 1].data();
   }
   hold(levels_[0], scratch_[0].data());
@@ -96,7 +100,7 @@ void CoarseSystem::restrict_image(float* result) const {
   const float* fine = image_.data();
   for (std::size_t l = 1; l <= level_; ++l) {
     float* const coarse = l == level_ ? result : scratch_[l].data();
-    suture::restrict(levels_[l].to_finer, fine, coarse, levels_[l].nodes());
+    suture::restrict(levels_[l], fine, coarse);
     fine = coarse;
   }
   hold(levels_[level_], result);
@@ -105,7 +109,8 @@ void CoarseSystem::restrict_image(float* result) const {
 LinearSolve::Outcome CoarseSystem::solve(const TangentMatrix& a, std::span<const double> right,
                                          std::span<double> d) const {
   SingleVector r = single_vector(nodes()), q;
-  const double scale = to_single(right.data(), r);
+  const Workers* const workers = levels_[level_].workers;
+  const double scale = to_single(right.data(), r, workers);
   const auto multiply = [&](const float* x, float* y) {
     prolong(x);
     a.apply(scratch_[0].data(), image_.data());
@@ -114,7 +119,7 @@ LinearSolve::Outcome CoarseSystem::solve(const TangentMatrix& a, std::span<const
   const auto outcome = solve_on_level(levels_, VCycle(levels_, coarsest_, smoothing), level_,
                                       multiply, std::move(r), tolerance, max_iterations, q);
   prolong(q.data());
-  to_double(scratch_[0], scale, d.data());
+  to_double(scratch_[0], scale, d.data(), workers);
   return outcome;
 }
 

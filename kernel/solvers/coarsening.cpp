@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_set>
 #include <utility>
 
@@ -341,6 +342,23 @@ Coarsening coarsen(const NodeGraph& fine) {
   const Interpolation& p = result.interpolation = number(fine, shares, ends, coarse);
   CoarseCells cells(coarse);
   for (std::size_t cell = 0; cell < fine.cells(); ++cell) cells.add(fine.cell(cell), p);
+  return result;
+}
+
+Interpolation transposed(const Interpolation& p, Index coarse_nodes) {
+  Interpolation result;
+  result.begin.resize(coarse_nodes + 1);
+  result.node.resize(p.node.size());
+  result.weight.resize(p.node.size());
+  for (const Index node : p.node) ++result.begin[node + 1];
+  std::partial_sum(result.begin.begin(), result.begin.end(), result.begin.begin());
+  std::vector<Index> next(result.begin.begin(), result.begin.end() - 1);
+  for (Index v = 0; v < p.fine_nodes(); ++v)
+    for (Index i = p.begin[v]; i < p.begin[v + 1]; ++i) {
+      const Index place = next[p.node[i]]++;
+      result.node[place] = v;
+      result.weight[place] = p.weight[i];
+    }
   return result;
 }
 

@@ -18,6 +18,8 @@ struct Interpolation {
 
   Index fine_nodes() const { return static_cast<Index>(begin.size() - 1); }
 };
+/// P^T, by coarse node: its fine nodes, which ascend, and their weights.
+Interpolation transposed(const Interpolation& p, Index coarse_nodes);
 
 /// A level of a hierarchy and its interpolation to the next finer one.
 struct Coarsening {

@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "kernel/base/error.hpp"
+#include "kernel/solvers/single_vector.hpp"
 
 namespace suture {
 namespace {
@@ -30,14 +32,17 @@ IterationLimit checked_limit(unsigned most, const std::function<void()>& check) 
           }};
 }
 
-double dot(std::span<const double> a, std::span<const double> b) {
-  constexpr std::size_t part = 1024;
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); i += part) {
-    const std::size_t count = std::min(part, a.size() - i);
-    sum += view(a.subspan(i, count)).dot(view(b.subspan(i, count)));
-  }
-  return sum;
+double dot(std::span<const double> a, std::span<const double> b, const Workers* workers) {
+  constexpr std::size_t part = 1024, parts_at_once = 16;
+  std::vector<double> sums((a.size() + part - 1) / part);
+  for_chunks(sums.size(), parts_at_once, workers,
+             [&](std::size_t first, std::size_t end, std::size_t) {
+               for (std::size_t i = first; i < end; ++i) {
+                 const std::size_t count = std::min(part, a.size() - i * part);
+                 sums[i] = view(a.subspan(i * part, count)).dot(view(b.subspan(i * part, count)));
+               }
+             });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 LinearSolve ConjugateGradients::solve(const TangentMatrix& a, const Preconditioner& preconditioner,
@@ -45,20 +50,27 @@ LinearSolve ConjugateGradients::solve(const TangentMatrix& a, const Precondition
                                       double tolerance, const IterationLimit& limit) {
   return solve([&](const double* d, double* out) { a.apply(d, out); },
                [&](const double* r, double* z) { preconditioner.apply(r, z); }, b, x, tolerance,
-               limit);
+               limit, a.workers());
 }
 
 LinearSolve ConjugateGradients::solve(const Product& a, const Product& preconditioner,
                                       std::span<const double> b, std::span<double> x,
-                                      double tolerance, const IterationLimit& limit) {
+                                      double tolerance, const IterationLimit& limit,
+                                      const Workers* workers) {
+  const auto for_parts = [&](auto&& visit) {
+    for_chunks(b.size(), vector_chunk, workers,
+               [&](std::size_t first, std::size_t end, std::size_t) {
+                 visit([=](std::span<double> v) { return view(v.subspan(first, end - first)); });
+               });
+  };
   for (auto* vector : {&r_, &z_, &d_, &q_}) vector->resize(b.size());
   std::ranges::copy(b, r_.begin());
   std::ranges::fill(x, 0.0);
-  const double target = tolerance * std::sqrt(dot(b, b));
+  const double target = tolerance * std::sqrt(dot(b, b, workers));
   LinearSolve result;
   double rz = 0;
   for (;; ++result.iterations) {
-    const double residual = std::sqrt(dot(r_, r_));
+    const double residual = std::sqrt(dot(r_, r_, workers));
     result.residual = target > 0 ? residual / target * tolerance : 0;
     if (!(residual > target)) return result;
     if (limit.ends(result.iterations)) {
@@ -66,21 +78,23 @@ LinearSolve ConjugateGradients::solve(const Product& a, const Product& precondit
       return result;
     }
     preconditioner(r_.data(), z_.data());
-    const double last = std::exchange(rz, dot(r_, z_));
+    const double last = std::exchange(rz, dot(r_, z_, workers));
     if (result.iterations == 0)
       d_ = z_;
     else
-      view(std::span(d_)) = view(std::span(z_)) + rz / last * view(std::span(d_));
+      for_parts([&](auto of) { of(d_) = of(z_) + rz / last * of(d_); });
     a(d_.data(), q_.data());
-    const double curvature = dot(d_, q_);
+    const double curvature = dot(d_, q_, workers);
     if (!std::isfinite(curvature)) throw NumericalError("the tangent is not finite");
     if (!(curvature > 0)) {
       result.outcome = LinearSolve::Outcome::indefinite;
       if (result.iterations == 0) std::ranges::copy(d_, x.begin());
       return result;
     }
-    view(x) += rz / curvature * view(std::span(d_));
-    view(std::span(r_)) -= rz / curvature * view(std::span(q_));
+    for_parts([&](auto of) {
+      of(x) += rz / curvature * of(d_);
+      of(r_) -= rz / curvature * of(q_);
+    });
   }
 }
 

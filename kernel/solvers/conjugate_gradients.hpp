@@ -47,7 +47,8 @@ class ConjugateGradients {
   /// out = A d, or an approximation of A^-1 d; as many numbers as b has.
   using Product = std::function<void(const double* d, double* out)>;
   LinearSolve solve(const Product& a, const Product& preconditioner, std::span<const double> b,
-                    std::span<double> x, double tolerance, const IterationLimit& limit);
+                    std::span<double> x, double tolerance, const IterationLimit& limit,
+                    const Workers* workers);
   LinearSolve solve(const TangentMatrix& a, const Preconditioner& preconditioner,
                     std::span<const double> b, std::span<double> x, double tolerance,
                     const IterationLimit& limit);
@@ -57,7 +58,7 @@ class ConjugateGradients {
 };
 
 /// The dot product in a fixed order, with errors that grow with the square root of the size.
-double dot(std::span<const double> a, std::span<const double> b);
+double dot(std::span<const double> a, std::span<const double> b, const Workers* workers = nullptr);
 
 /// The Euclidean norm, with that product.
 inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }

@@ -14,14 +14,7 @@ DiagonalBlocks mass_blocks(const TangentMatrix& a) {
 }
 
 void subtract(const CellTangents& cells, DiagonalBlocks& blocks) {
-  const Index size = cells.nodes * 3;
-  for (Index l = 0; l < cells.cells; ++l)
-    for (Index n = 0; n < cells.nodes; ++n) {
-      Matrix3d& block = blocks[cells.vertices[l * cells.nodes + n]];
-      for (Index i = 0; i < 3; ++i)
-        for (Index j = 0; j < 3; ++j)
-          block(i, j) -= cells.values[((n * 3 + j) * size + n * 3 + i) * 8 + l];
-    }
+  for_each_diagonal_block(cells, [&](Index v, const Matrix3d& block) { blocks[v] -= block; });
 }
 
 void invert(Matrix3d& block, const std::array<bool, 3>& free, double shift) {

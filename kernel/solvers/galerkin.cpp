@@ -2,6 +2,8 @@
 #include "kernel/solvers/galerkin.hpp"
 
 #include <algorithm>
+#include <deque>
+#include <optional>
 #include <utility>
 
 #include "kernel/solvers/cell_projection.hpp"
@@ -30,6 +32,61 @@ void add_masses(const TangentMatrix& a, const Interpolation& p, BlockRows<double
       });
   }
 }
+
+/// The sum of P^T A P over cells, and of the diagonal blocks of A, if wanted. Where several pieces
+/// are visited at once, their parts are added in the order of the pieces.
+class ProjectedCells final : public TangentPieces {
+ public:
+  ProjectedCells(const TangentMatrix& a, const Interpolation& p, BlockRows<double>& sum,
+                 DiagonalBlocks* diagonal)
+      : TangentPieces(slots_for(a.workers())), sum_(sum), diagonal_(diagonal) {
+    for (std::size_t slot = 0; slot < slots(); ++slot) {
+      Part& part = parts_.emplace_back();
+      const auto add = [&, keeps = slots() > 1](std::span<const Index> nodes, double factor,
+                                                const double* values) {
+        if (keeps)
+          part.blocks.keep(nodes, factor, values);
+        else
+          sum_.add(nodes, factor, values);
+      };
+      part.projection.emplace(p, a.free(), sum.pattern().rows(), add);
+    }
+  }
+
+  void visit(std::size_t slot, const CellTangents& cells) override {
+    Part& part = parts_[slot];
+    part.projection->subtract(cells);
+    if (!diagonal_) return;
+    for_each_diagonal_block(cells, [&](Index v, const Eigen::Matrix3d& block) {
+      if (slots() > 1)
+        part.diagonal.emplace_back(v, block);
+      else
+        (*diagonal_)[v] -= block;
+    });
+  }
+
+  void end_piece(std::size_t slot) override {
+    Part& part = parts_[slot];
+    part.projection->finish();
+    part.blocks.add_to(sum_);
+    for (const auto& [v, block] : part.diagonal) (*diagonal_)[v] -= block;
+    part.diagonal.clear();
+  }
+
+ private:
+  struct Part {
+    std::optional<CellProjection> projection;
+    KeptBlocks blocks;
+    std::vector<std::pair<Index, Eigen::Matrix3d>> diagonal;
+  };
+  static std::size_t slots_for(const Workers* workers) {
+    return workers->threads() > 1 ? 4 * std::size_t{workers->threads()} : 1;
+  }
+
+  UpperSum sum_;
+  DiagonalBlocks* diagonal_;
+  std::deque<Part> parts_;
+};
 
 /// One row of A P: its coarse nodes and blocks.
 class ProjectedRow {
@@ -74,12 +131,8 @@ BlockRows<double> project(const TangentMatrix& a, const Interpolation& p,
                           const BlockPattern& pattern, DiagonalBlocks* diagonal) {
   BlockRows<double> result(pattern);
   if (diagonal) *diagonal = mass_blocks(a);
-  CellProjection projection(p, a.free(), result);
-  a.for_each_cell([&](const CellTangents& cells) {
-    if (diagonal) subtract(cells, *diagonal);
-    projection.subtract(cells);
-  });
-  projection.finish();
+  ProjectedCells cells(a, p, result, diagonal);
+  a.for_each_cell(cells);
   add_masses(a, p, result);
   mirror(result);
   return result;

@@ -22,7 +22,7 @@ class Multigrid final : public Preconditioner {
   std::size_t levels() const override { return end_is_found_ ? levels_.size() : 0; }
 
   void build(const TangentMatrix& a) override {
-    if (levels_.empty()) make(a.free());
+    if (levels_.empty()) make(a);
     if (direct_) return direct_->build(a);
     add_links(a);
     if (!end_is_found_) return find_end(a);
@@ -30,7 +30,7 @@ class Multigrid final : public Preconditioner {
   }
 
   CoarseLevels coarse_levels(const TangentMatrix& a) override {
-    if (levels_.empty()) make(a.free());
+    if (levels_.empty()) make(a);
     if (direct_) return {};
     return {&levels_, &coarsest_};
   }
@@ -38,17 +38,17 @@ class Multigrid final : public Preconditioner {
   void apply(const double* r, double* z) const override {
     if (direct_) return direct_->apply(r, z);
     MultigridLevel& level = levels_[0];
-    const double scale = to_single(r, level.r);
+    const double scale = to_single(r, level.r, level.workers);
     VCycle(levels_, coarsest_, options_.smoothing).run(0);
-    to_double(level.x, scale, z);
+    to_double(level.x, scale, z, level.workers);
   }
 
  private:
   /// The hierarchy, without operators.
-  void make(const std::vector<std::uint8_t>& free) {
+  void make(const TangentMatrix& a) {
     const NodeGraph vertices = vertex_graph(complex_, attributes_);
     on_grid_ = vertices.is_grid;
-    levels_ = make_levels(vertices, free, options_.coarsest_nodes);
+    levels_ = make_levels(vertices, a.free(), options_.coarsest_nodes, a.workers());
     patterns_.clear();
     const bool is_known = options_.levels > 1 && options_.levels <= levels_.size();
     if (is_known) levels_.resize(options_.levels);

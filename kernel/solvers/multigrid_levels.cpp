@@ -40,6 +40,7 @@ MultigridLevel coarser_level(Coarsening& coarsening, const MultigridLevel& finer
   level.pattern = pattern_of(coarsening.coarse);
   level.places = coarsening.coarse.places;
   level.to_finer = std::move(coarsening.interpolation);
+  level.from_finer = transposed(level.to_finer, nodes);
   return level;
 }
 
@@ -52,8 +53,8 @@ std::vector<Index> places_of(const Held& held) {
 }
 
 SUTURE_CLONES
-void interpolate(const Index* begin, const Index* node, const float* weight, const SingleRow* from,
-                 SingleRow* to, std::size_t rows) {
+void multiply(const Index* begin, const Index* node, const float* weight, const SingleRow* from,
+              SingleRow* to, std::size_t rows) {
   for (std::size_t v = 0; v < rows; ++v) {
     SingleRow sum{};
     for (Index i = begin[v]; i < begin[v + 1]; ++i) sum += weight[i] * from[node[i]];
@@ -61,24 +62,30 @@ void interpolate(const Index* begin, const Index* node, const float* weight, con
   }
 }
 
-SUTURE_CLONES
-void add_to_coarse(const Index* begin, const Index* node, const float* weight,
-                   const SingleRow* from, SingleRow* to, std::size_t rows) {
-  for (std::size_t v = 0; v < rows; ++v)
-    for (Index i = begin[v]; i < begin[v + 1]; ++i) to[node[i]] += weight[i] * from[v];
+/// to = P from.
+void multiply(const Interpolation& p, const float* from, float* to, const Workers* workers) {
+  for_vector_chunks(p.begin.size() - 1, workers, [&](std::size_t first, std::size_t rows) {
+    multiply(&p.begin[first], p.node.data(), p.weight.data(),
+             reinterpret_cast<const SingleRow*>(from), reinterpret_cast<SingleRow*>(to) + first,
+             rows);
+  });
+}
+
+std::size_t bytes_of(const Interpolation& p) {
+  return (p.begin.size() + 2 * p.node.size()) * sizeof(Index);
 }
 
 }  // namespace
 
 std::size_t MultigridLevel::bytes() const {
-  return to_finer.begin.size() * sizeof(Index) + to_finer.node.size() * 2 * sizeof(Index) +
+  return bytes_of(to_finer) + bytes_of(from_finer) +
          (pattern.begin.size() + pattern.column.size()) * sizeof(Index) + matrix.bytes() +
          smoother.bytes() + 3 * x.size() * sizeof(float) + held.size() +
          held_places.size() * sizeof(Index) + places.size() * sizeof(Vec3);
 }
 
 MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::uint8_t>& free,
-                            Index coarsest_nodes) {
+                            Index coarsest_nodes, const Workers* workers) {
   MultigridLevels levels;
   levels.push_back(finest_level(vertices, free));
   NodeGraph graph;
@@ -89,23 +96,19 @@ MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::ui
     graph = std::move(next.coarse);
   }
   for (MultigridLevel& level : levels) {
+    level.workers = workers;
     level.held_places = places_of(level.held);
     level.x = level.r = level.correction = single_vector(level.nodes());
   }
   return levels;
 }
 
-void interpolate(const Interpolation& p, const float* coarse, float* fine) {
-  interpolate(p.begin.data(), p.node.data(), p.weight.data(),
-              reinterpret_cast<const SingleRow*>(coarse), reinterpret_cast<SingleRow*>(fine),
-              p.fine_nodes());
+void interpolate(const MultigridLevel& level, const float* coarse, float* fine) {
+  multiply(level.to_finer, coarse, fine, level.workers);
 }
 
-void restrict(const Interpolation& p, const float* fine, float* coarse, std::size_t coarse_nodes) {
-  std::fill_n(coarse, coarse_nodes * 4, 0.0f);
-  add_to_coarse(p.begin.data(), p.node.data(), p.weight.data(),
-                reinterpret_cast<const SingleRow*>(fine), reinterpret_cast<SingleRow*>(coarse),
-                p.fine_nodes());
+void restrict(const MultigridLevel& level, const float* fine, float* coarse) {
+  multiply(level.from_finer, fine, coarse, level.workers);
 }
 
 void hold(const MultigridLevel& level, float* v) {
@@ -113,16 +116,20 @@ void hold(const MultigridLevel& level, float* v) {
 }
 
 void set_smoother(MultigridLevel& level, DiagonalBlocks diagonal) {
-  for (std::size_t v = 0; v < diagonal.size(); ++v) {
-    const std::uint8_t* held = &level.held[v * 3];
-    invert(diagonal[v], {held[0] == 0, held[1] == 0, held[2] == 0}, block_shift);
-  }
-  level.smoother.set(diagonal, level.multiply);
+  for_vector_chunks(diagonal.size(), level.workers, [&](std::size_t first, std::size_t rows) {
+    for (std::size_t v = first; v < first + rows; ++v) {
+      const std::uint8_t* held = &level.held[v * 3];
+      invert(diagonal[v], {held[0] == 0, held[1] == 0, held[2] == 0}, block_shift);
+    }
+  });
+  level.smoother.set(diagonal, level.multiply, level.workers);
 }
 
 void set_operator(MultigridLevel& level, const BlockRows<double>& rows) {
-  level.matrix = in_single(rows);
-  level.multiply = [&level](const float* x, float* y) { multiply(level.matrix, x, y); };
+  level.matrix = in_single(rows, level.workers);
+  level.multiply = [&level](const float* x, float* y) {
+    multiply(level.matrix, x, y, level.workers);
+  };
   set_smoother(level, diagonal_of(rows));
 }
 
@@ -147,7 +154,7 @@ void VCycle::solve_coarsest() const {
 void VCycle::restrict(std::size_t l) const {
   MultigridLevel &fine = levels_[l], &coarse = levels_[l + 1];
   hold(fine, fine.r.data());
-  suture::restrict(coarse.to_finer, fine.r.data(), coarse.r.data(), coarse.nodes());
+  suture::restrict(coarse, fine.r.data(), coarse.r.data());
   hold(coarse, coarse.r.data());
 }
 
@@ -155,7 +162,7 @@ void VCycle::restrict(std::size_t l) const {
 void VCycle::prolong(std::size_t l) const {
   MultigridLevel& fine = levels_[l];
   const MultigridLevel& coarse = levels_[l + 1];
-  interpolate(coarse.to_finer, coarse.x.data(), fine.correction.data());
+  interpolate(coarse, coarse.x.data(), fine.correction.data());
   hold(fine, fine.correction.data());
 }
 

@@ -10,13 +10,15 @@ namespace suture {
 
 /// A level of a multigrid hierarchy. The finest one is that of the vertices.
 struct MultigridLevel {
-  Interpolation to_finer;          ///< not of the finest level
-  std::vector<Vec3> places;        ///< NodeGraph::places; not of the finest level
-  Held held;                       ///< 3 per node
-  std::vector<Index> held_places;  ///< those of `held` in rows of 4
-  std::vector<bool> loose;         ///< nodes of pieces that nothing holds
-  BlockPattern pattern;            ///< not of the finest level
-  BlockRows<float> matrix;         ///< not of the finest and the coarsest level
+  const Workers* workers = nullptr;  ///< they share loops over its rows
+  Interpolation to_finer;            ///< not of the finest level
+  Interpolation from_finer;          ///< its transpose
+  std::vector<Vec3> places;          ///< NodeGraph::places; not of the finest level
+  Held held;                         ///< 3 per node
+  std::vector<Index> held_places;    ///< those of `held` in rows of 4
+  std::vector<bool> loose;           ///< nodes of pieces that nothing holds
+  BlockPattern pattern;              ///< not of the finest level
+  BlockRows<float> matrix;           ///< not of the finest and the coarsest level
   SingleProduct multiply;
   Chebyshev smoother;
   SingleVector x, r, correction;  ///< scratch
@@ -30,13 +32,13 @@ using MultigridLevels = std::deque<MultigridLevel>;
 /// The hierarchy of a body with these free components, without operators: until a level has at most
 /// `coarsest_nodes` nodes, or coarsening gains little.
 MultigridLevels make_levels(const NodeGraph& vertices, const std::vector<std::uint8_t>& free,
-                            Index coarsest_nodes);
+                            Index coarsest_nodes, const Workers* workers);
 
 // Between a level and the next finer one, in rows of 4:
 /// fine = P coarse.
-void interpolate(const Interpolation& p, const float* coarse, float* fine);
+void interpolate(const MultigridLevel& level, const float* coarse, float* fine);
 /// coarse = P^T fine.
-void restrict(const Interpolation& p, const float* fine, float* coarse, std::size_t coarse_nodes);
+void restrict(const MultigridLevel& level, const float* fine, float* coarse);
 /// Sets the components that are held to 0.
 void hold(const MultigridLevel& level, float* v);
 

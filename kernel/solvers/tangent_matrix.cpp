@@ -2,15 +2,18 @@
 #include "kernel/solvers/tangent_matrix.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "kernel/attributes/held.hpp"
 #include "kernel/solvers/conjugate_gradients.hpp"
+#include "kernel/solvers/single_vector.hpp"
 
 namespace suture {
 
 TangentMatrix::TangentMatrix(Attributes& attributes,
-                             const std::vector<std::unique_ptr<ForceTerm>>& terms)
-    : attributes_(attributes), terms_(terms) {}
+                             const std::vector<std::unique_ptr<ForceTerm>>& terms,
+                             const Workers& workers)
+    : attributes_(attributes), terms_(terms), workers_(workers) {}
 
 void TangentMatrix::set(const TangentTime& at, double mass, double velocity,
                         std::span<const LoadTime> loads) {
@@ -69,10 +72,24 @@ void TangentMatrix::for_each_term(Visit visit) const {
   });
 }
 
+/// y = M x for the mass term, in the rows of Real.
+template <class Real>
+void TangentMatrix::multiply_by_mass(const Real* x, Real* y) const {
+  constexpr std::size_t width = std::is_same_v<Real, float> ? 4 : 3;
+  for_vector_chunks(free_.size() / 3, &workers_, [&](std::size_t first, std::size_t rows) {
+    if (masses_.empty()) {
+      std::fill_n(y + first * width, rows * width, Real{0});
+      return;
+    }
+    for (std::size_t v = first; v < first + rows; ++v) {
+      const auto mass = static_cast<Real>(masses_[v]);
+      for (std::size_t i = v * width; i < (v + 1) * width; ++i) y[i] = mass * x[i];
+    }
+  });
+}
+
 void TangentMatrix::apply(const double* x, double* y) const {
-  std::fill_n(y, free_.size(), 0.0);
-  for (std::size_t v = 0; v < masses_.size(); ++v)
-    for (std::size_t i = v * 3; i < v * 3 + 3; ++i) y[i] = masses_[v] * x[i];
+  multiply_by_mass(x, y);
   for_each_term<TangentTerm>([&](TangentTerm& term, double factor, const TangentTime& at) {
     if (term.has_tangent()) term.add_tangent(x, -factor, -factor * velocity_, at, y);
   });
@@ -92,11 +109,7 @@ void TangentMatrix::apply_whole(const double* x, double* y) const {
 }
 
 void TangentMatrix::apply(const float* x, float* y) const {
-  std::fill_n(y, free_.size() / 3 * 4, 0.0f);
-  for (std::size_t v = 0; v < masses_.size(); ++v) {
-    const auto mass = static_cast<float>(masses_[v]);
-    for (std::size_t i = v * 4; i < v * 4 + 4; ++i) y[i] = mass * x[i];
-  }
+  multiply_by_mass(x, y);
   for_each_term<TangentTerm>([&](TangentTerm& term, double factor, const TangentTime& at) {
     if (term.is_stiff() && term.has_tangent() &&
         !term.add_tangent_in_single(x, -factor, -factor * velocity_, at, y))
@@ -117,6 +130,12 @@ void TangentMatrix::add_in_double(TangentTerm& term, double factor, const Tangen
 void TangentMatrix::for_each_cell(const CellTangentTerm::VisitTangents& visit) const {
   for_each_term<CellTangentTerm>([&](CellTangentTerm& term, double factor, const TangentTime& at) {
     term.for_each_tangent(factor, factor * velocity_, at, visit);
+  });
+}
+
+void TangentMatrix::for_each_cell(TangentPieces& pieces) const {
+  for_each_term<CellTangentTerm>([&](CellTangentTerm& term, double factor, const TangentTime& at) {
+    term.for_each_piece(factor, factor * velocity_, at, pieces);
   });
 }
 

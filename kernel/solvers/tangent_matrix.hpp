@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
+#include "kernel/base/parallel.hpp"
 #include "kernel/forces/term_capabilities.hpp"
 
 namespace suture {
@@ -28,7 +29,8 @@ struct LoadTime {
 /// vertices, are 0 in every vector and in every product.
 class TangentMatrix {
  public:
-  TangentMatrix(Attributes& attributes, const std::vector<std::unique_ptr<ForceTerm>>& terms);
+  TangentMatrix(Attributes& attributes, const std::vector<std::unique_ptr<ForceTerm>>& terms,
+                const Workers& workers);
 
   /// The matrix at the current state from now on. Call again after cells or constraints changed.
   /// O(vertices). `loads`: none stands for those at the same time.
@@ -48,6 +50,8 @@ class TangentMatrix {
   void stiffen(std::span<const double> direction, double stiffness);
 
   std::size_t size() const { return free_.size(); }
+  /// The threads that share its loops, and those of the solvers.
+  const Workers* workers() const { return &workers_; }
   /// Whether each component is free.
   const std::vector<std::uint8_t>& free() const { return free_; }
   /// y = A x. About three evaluations of the forces. Throws the errors of terms.
@@ -65,6 +69,7 @@ class TangentMatrix {
   /// Visits the matrices of all cells, K + velocity C, with the opposite sign: see
   /// CellTangentTerm::for_each_tangent. The mass term is not included.
   void for_each_cell(const CellTangentTerm::VisitTangents& visit) const;
+  void for_each_cell(TangentPieces& pieces) const;
   /// The same for a selection: see CellTangentTerm::for_some_tangents.
   void for_some_cells(const CellTangentTerm::SelectCell& select,
                       const CellTangentTerm::VisitTangents& visit) const;
@@ -76,9 +81,12 @@ class TangentMatrix {
                      float* y) const;
   template <class Capability, class Visit>
   void for_each_term(Visit visit) const;
+  template <class Real>
+  void multiply_by_mass(const Real* x, Real* y) const;
 
   Attributes& attributes_;
   const std::vector<std::unique_ptr<ForceTerm>>& terms_;
+  const Workers& workers_;
   std::vector<std::uint8_t> free_;
   std::vector<Index> held_;     ///< the components that are not free
   std::vector<double> masses_;  ///< the diagonal of the mass term; empty if there is none

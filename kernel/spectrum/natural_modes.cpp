@@ -33,7 +33,7 @@ class ModalProblem final : public EigenProblem {
       : body_(body),
         time_(time),
         tangent_(body, time),
-        shifted_(body.attributes(), body.terms()),
+        shifted_(body.attributes(), body.terms(), body.models().workers()),
         scaled_(static_cast<std::size_t>(tangent_.size())),
         solved_(scaled_.size()) {}
 

@@ -56,7 +56,11 @@ std::vector<double> stiffness(const Coarsening& fourth, SolverBody& body,
                               const CellSample* sample) {
   const BlockPattern pattern = pattern_of(fourth.coarse);
   BlockRows<double> sum(pattern);
-  CellProjection projection(fourth.interpolation, body.matrix().free(), sum);
+  UpperSum upper(sum);
+  CellProjection projection(fourth.interpolation, body.matrix().free(), pattern.rows(),
+                            [&](std::span<const Index> nodes, double factor, const double* values) {
+                              upper.add(nodes, factor, values);
+                            });
   const auto subtract = [&](const CellTangents& some, std::span<const float> weights) {
     projection.subtract(some, weights);
   };

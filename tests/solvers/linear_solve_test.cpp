@@ -25,7 +25,7 @@ struct System {
   System(const char* model, double part, double mass = 0)
       : scene(beam(tree_plugins(), model, 8, 2, 9.8)),
         built(scene, ignored, true),
-        matrix(built.body().attributes(), built.body().terms()) {
+        matrix(built.body().attributes(), built.body().terms(), built.body().models().workers()) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> shift(-part * 0.05, part * 0.05);
     Attributes& attributes = built.body().attributes();

@@ -61,7 +61,7 @@ class SolverBody {
     for (Index v = 0; v < attributes().vertex_count(); ++v)
       if (attributes().rest().get(v, 2) <= options.held) low.push_back(v);
     body_.constraints().add(low, 7, {}, attributes());
-    matrix_.emplace(attributes(), body_.terms());
+    matrix_.emplace(attributes(), body_.terms(), body_.models().workers());
     matrix_->set(0);
   }
 

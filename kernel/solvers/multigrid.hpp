@@ -53,7 +53,7 @@ struct MultigridOptions {
 /// the finest level matrix-free; operators and factor are computed in double. A body that is too
 /// small for levels is factored.
 ///
-/// Memory: 380 B per element on grids, up to 1.2 kB elsewhere; twice that during build(). The
+/// Memory: 430 B per element on grids, up to 1.3 kB elsewhere; twice that during build(). The
 /// results depend on levels() and on the matrix of the last build(), which is read in every
 /// apply().
 std::unique_ptr<Preconditioner> make_multigrid(const CellComplex& complex, Attributes& attributes,

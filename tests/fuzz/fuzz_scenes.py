@@ -90,6 +90,9 @@ def small(scene):
         mesh["box"]["cells"] = [max(1, round(n * min(1, 8 / max(cells)))) for n in cells]
     if "voxels" in mesh:
         mesh["voxels"]["layers"] = 1
+    if "surface" in mesh:
+        mesh.pop("edge", None)
+        mesh["cells"] = 400
     return scene
 
 
@@ -104,6 +107,8 @@ def elements_of(scene):
         mesh = scene["mesh"]
         if "box" in mesh:
             return math.prod(float(n) for n in mesh["box"]["cells"])
+        if "surface" in mesh:
+            return float(mesh["cells"])
         return float(mesh["voxels"].get("layers", 1)) * sum(map(len, mesh["voxels"]["rows"]))
     except (AttributeError, KeyError, OverflowError, TypeError, ValueError):
         return 0

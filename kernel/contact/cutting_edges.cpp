@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "kernel/base/archive.hpp"
+#include "kernel/base/error.hpp"
 #include "kernel/base/rows.hpp"
 #include "kernel/base/sort_unique.hpp"
+#include "kernel/geometry/cube_size.hpp"
 #include "kernel/parts/cube_sides.hpp"
 #include "kernel/topology/dart.hpp"
 
@@ -18,6 +20,8 @@ namespace {
 constexpr double spacing = 0.125, lips = 0.5;
 // How far a sample between lips may be beside them along the slit, in edges.
 constexpr double beside_lips = 0.05;
+// The longest edge of a blade, in edges of elements: every sample takes time in every step.
+constexpr double most_elements = 1e4;
 // How far around the edges elements are collected, in edges.
 constexpr double collected = 2;
 // Within this distance of an open side, an edge that divides elements is on that side; as a share
@@ -49,6 +53,13 @@ Vec3 middle(const Nodes& nodes, const double* rows) {
 }  // namespace
 
 void CuttingEdges::add(const Edge& edge) {
+  double whole = 0;
+  for (std::size_t i = 0; i + 1 < edge.points.size(); ++i)
+    whole += norm(minus(edge.points[i + 1], edge.points[i]));
+  if (!(whole <= most_elements * edge_))
+    throw InputError("the edge of the blade is " + number_text(whole) + " m long, " +
+                     number_text(whole / edge_) + " elements; where tissue resists, at most " +
+                     number_text(most_elements) + ": let it end near the body");
   for (std::size_t i = 0; i + 1 < edge.points.size(); ++i) {
     const Vec3 &a = edge.points[i], way = minus(edge.points[i + 1], a);
     const double length = norm(way);

@@ -61,6 +61,7 @@ class CuttingEdges {
   /// `edge`: a typical edge of the elements, m.
   CuttingEdges(const CellComplex& complex, Attributes& attributes, double edge)
       : complex_(complex), finder_(complex, attributes), attributes_(attributes), edge_(edge) {}
+  /// Throws InputError if its points are too far apart to be sampled.
   void add(const Edge& edge);
 
   // ---- a step, in this order ----

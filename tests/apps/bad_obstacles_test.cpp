@@ -84,7 +84,11 @@ TEST_F(BadScenes, BladesThatObstaclesCarry) {
       {{ball, blade(R"("obstacle": "knife", "path": [], )" + points)}, "/cut/blade", "path"},
       {{ball, blade(R"("obstacle": "knife", "points": [[0, 0, 1], [0, 0, 1]])")},
        "/events/0",
-       "coincident points"}};
+       "coincident points"},
+      {{ball, blade(R"("obstacle": "knife", "points": [[0, 0, 1], [0, 0, 9e18]], "resistance": )"
+                    R"({"toughness": 300, "stress": 5e5, "thickness": 1e-3})")},
+       "/events/0/cut/blade/points",
+       "at most 1e+04: let it end near the body"}};
   for (const Case& bad : cases) {
     const Outcome outcome = scene("check", "", bad.sets);
     EXPECT_EQ(outcome.code, 3) << bad.sets.back() << '\n' << outcome;

@@ -23,8 +23,8 @@
 namespace suture {
 
 /// Number of gathered nodes below which one thread is faster than waking others: about
-/// 0.06 ms of work compared with a few microseconds per round.
-inline constexpr std::size_t parallel_nodes = 16384;
+/// 0.07 ms of work compared with a few microseconds per round.
+inline constexpr std::size_t parallel_nodes = 20000;
 
 /// The energy that the functor stores, or null: what an active model (SUTURE_ACTIVE) declares, and
 /// one that reads a field, changes with time, so the work of its forces is booked instead.

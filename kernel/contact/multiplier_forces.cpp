@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "kernel/solvers/links.hpp"
@@ -361,6 +362,7 @@ void MultiplierForces::begin_step(double time) {
   bounds_stay_ = accepted_bounds_stay_;
   improve(time);
   bounds_stay_ = false;
+  if (!last_start_) last_start_.emplace(start_, start_time_);
   if (start_.empty() || time != start_time_) {
     const double* x = attributes_.position().rows();
     start_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
@@ -371,6 +373,14 @@ void MultiplierForces::begin_step(double time) {
     const double gap = dot(pair.normal, offset_of(pair));
     if (gap < tolerance * contact_.mean_edge()) pair.first_gap = gap;
   }
+}
+
+void MultiplierForces::reject_step() {
+  support_ = 1;
+  of_obstacles_ = accepted_of_obstacles_;
+  pairs_ = accepted_pairs_;
+  bounds_stay_ = accepted_bounds_stay_;
+  if (last_start_) std::tie(start_, start_time_) = *std::exchange(last_start_, {});
 }
 
 void MultiplierForces::begin_iteration(unsigned number, double time) {
@@ -428,6 +438,7 @@ void MultiplierForces::accept() {
   accepted_of_obstacles_ = of_obstacles_;
   accepted_pairs_ = pairs_;
   accepted_bounds_stay_ = bounds_stay_;
+  last_start_.reset();
   has_step_ = true;
 }
 
@@ -451,6 +462,7 @@ void MultiplierForces::follow(const CellComplex& complex, const TopologyChange&)
       pair.beside[0] = std::numeric_limits<double>::infinity();
   }
   start_.clear();
+  last_start_.reset();
   found_at_.clear();
   forget_last();
 }

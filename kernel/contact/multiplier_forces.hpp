@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "kernel/contact/contact_regimes.hpp"
@@ -102,6 +103,7 @@ class MultiplierForces final : public ContactTerm,
   void restart() override;
 
   void begin_step(double time) override;
+  void reject_step() override;
   void begin_iteration(unsigned number, double time) override;
   bool simplify() override;
   std::optional<Alternation> alternation() const override {
@@ -185,6 +187,8 @@ class MultiplierForces final : public ContactTerm,
   std::vector<double> found_at_;  ///< Contact::places_now() where the pairs were found
   std::vector<double> start_;     ///< positions at the start of the step, rows of 4
   double start_time_ = 0;
+  /// The same of the step before, while a step is tried.
+  std::optional<std::pair<std::vector<double>, double>> last_start_;
   double support_ = 1;  ///< of its stiffness, what touches without a force has
   bool bounds_stay_ = false, accepted_bounds_stay_ = false;  ///< of friction, while solving
   ContactRegimes regimes_;

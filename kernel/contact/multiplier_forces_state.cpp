@@ -59,6 +59,7 @@ void MultiplierForces::state(Archive& archive) {
   of_obstacles_ = accepted_of_obstacles_;
   pairs_ = accepted_pairs_;
   bounds_stay_ = accepted_bounds_stay_;
+  last_start_.reset();
 }
 
 }  // namespace suture

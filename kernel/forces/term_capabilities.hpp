@@ -221,6 +221,8 @@ class ConstraintTerm {
   /// An implicit step begins, or begins again after an attempt failed: multipliers are those that
   /// were accepted last.
   virtual void begin_step(double time) = 0;
+  /// The step is not made: everything is as it was before.
+  virtual void reject_step() = 0;
   /// Called when the equations of such a step are solved: improves the multipliers. True if the
   /// constraint does not hold to its tolerance yet, so that they have to be solved again.
   virtual bool update(double time) = 0;

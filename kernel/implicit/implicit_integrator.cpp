@@ -60,9 +60,8 @@ void ImplicitIntegrator::accept(double end) {
 
 void ImplicitIntegrator::reject() {
   work_.restore(motion_);
-  // Multipliers of the attempt go.
   for_each_with<ConstraintTerm>(motion_.body().terms(),
-                                [&](ConstraintTerm& term) { term.begin_step(motion_.time()); });
+                                [](ConstraintTerm& term) { term.reject_step(); });
   newton_.reject_step();
   motion_.discard_forces();
 }

@@ -370,9 +370,9 @@ void BuiltScene::add_edges(Contact& contact) {
       has_material = [this](Index e, const Vec3& at) {
         return suture::has_material(parts(), e, at);
       };
-    const CuttingEdges::Edge edge{blade->carried->obstacle, blade->carried->points,
-                                  element_values(resistance.toughness),
-                                  resistance.stress * resistance.thickness, has_material};
+    const CuttingEdges::Edge edge{
+        blade->carried->obstacle, blade->carried->points, element_values(resistance.toughness),
+        resistance.stress * resistance.thickness, std::move(has_material)};
     try {
       contact.add_edge(edge);
     } catch (const InputError& error) {

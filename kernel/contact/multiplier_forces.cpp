@@ -353,13 +353,17 @@ void MultiplierForces::improve(double time) {
   for (const auto& [multiplier, value] : next) *multiplier = value;
 }
 
+void MultiplierForces::return_to_accepted() {
+  of_obstacles_ = accepted_of_obstacles_;
+  pairs_ = accepted_pairs_;
+  bounds_stay_ = accepted_bounds_stay_;
+}
+
 /// Again at the same time, if equations of the step had no solution: with the multipliers and the
 /// positions at its start.
 void MultiplierForces::begin_step(double time) {
   support_ = 1;
-  of_obstacles_ = accepted_of_obstacles_;
-  pairs_ = accepted_pairs_;
-  bounds_stay_ = accepted_bounds_stay_;
+  return_to_accepted();
   improve(time);
   bounds_stay_ = false;
   if (!last_start_) last_start_.emplace(start_, start_time_);
@@ -377,9 +381,7 @@ void MultiplierForces::begin_step(double time) {
 
 void MultiplierForces::reject_step() {
   support_ = 1;
-  of_obstacles_ = accepted_of_obstacles_;
-  pairs_ = accepted_pairs_;
-  bounds_stay_ = accepted_bounds_stay_;
+  return_to_accepted();
   if (last_start_) std::tie(start_, start_time_) = *std::exchange(last_start_, {});
 }
 

@@ -177,6 +177,7 @@ class MultiplierForces final : public ContactTerm,
   Pairs find_pairs(double time);
   Vec3 offset_of(const Pair& pair) const;
   double take_over(Pairs found);
+  void return_to_accepted();  ///< multipliers
   void refuse_long_ways(double time) const;
   void book_work(const std::vector<double>& forces, double dt);
   double heat(double time);

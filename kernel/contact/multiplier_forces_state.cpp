@@ -56,9 +56,7 @@ void MultiplierForces::state(Archive& archive) {
   for (const Pair& pair : accepted_pairs_)
     for (const Index v : pair.vertices)
       archive.require(v < attributes_.vertex_count(), "contact is that of another body");
-  of_obstacles_ = accepted_of_obstacles_;
-  pairs_ = accepted_pairs_;
-  bounds_stay_ = accepted_bounds_stay_;
+  return_to_accepted();
   last_start_.reset();
 }
 

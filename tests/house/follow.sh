@@ -13,9 +13,9 @@ export PATH=$prefix/bin:$PATH CMAKE_PREFIX_PATH=$prefix MPLBACKEND=Agg CMAKE_GEN
 echo 'set(SUTURE_INSTRUCTION_SETS base)' >base.cmake
 export CMAKE_TOOLCHAIN_FILE=$PWD/base.cmake
 # The only steps that need more than the program does: Matplotlib, and the installed Python module.
-plots='^$'
-python3 -c 'import matplotlib' 2>/dev/null || plots='^(python3 (plot|tension).py$|suture plot )'
-[ -n "$(find "$prefix" -name '_suture*.so')" ] || plots+='|^suture plot '
+left_out='^$'
+python3 -c 'import matplotlib' 2>/dev/null || left_out='^(python3 (plot|tension).py$|suture plot )'
+[ -n "$(find "$prefix" -name '_suture*.so')" ] || left_out+='|^suture (plot|compare) '
 {
   cat <<'FUNCTIONS'
 has_lines() {
@@ -23,12 +23,12 @@ has_lines() {
     { echo "$1 does not have the lines that the page shows of it"; exit 1; }
 }
 FUNCTIONS
-  awk -v plots="$plots" '
+  awk -v left_out="$left_out" '
     /^```/ && inside { if (file) print "END_OF_FILE"; inside = 0; next }
     /^```/ { inside = 1; shell = $1 == "```sh"; file = $2 == "in" ? $3 : $2
              if (file) printf "%s %s <<\"END_OF_FILE\"\n", $2 == "in" ? "has_lines" : "cat >", file
              next }
-    inside && (file || (shell && $0 !~ plots)) { print }' "$page"
+    inside && (file || (shell && $0 !~ left_out)) { print }' "$page"
 } > steps.sh
 grep -q '^suture run ' steps.sh || { echo "$page: no step is found"; exit 1; }
 # `! command` does not end a shell: say so.

@@ -218,7 +218,7 @@ fs::path hand_over(Frame frame) {
   const std::string name = "suture-plot-" + std::to_string(::getpid()) + ".vtu";
   OutputFile file(folder, name);
   write_frame(file, frame, FrameWriterOptions::Compression::raw);
-  folder.remove(name);
+  folder.remove(name.c_str());
   const int kept = ::dup(file.descriptor());
   if (kept < 0) fail_io(file.path(), "kept open", errno);
   return "/proc/self/fd/" + std::to_string(kept);

@@ -103,7 +103,7 @@ AtomicFile::AtomicFile(const Folder& folder, const std::string& name)
       temporary_(temporary_name(name)) {}
 
 AtomicFile::~AtomicFile() {
-  if (!temporary_.empty()) folder_.remove(temporary_);
+  if (!temporary_.empty()) folder_.remove(temporary_.c_str());
 }
 
 void AtomicFile::commit() {

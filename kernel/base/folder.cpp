@@ -84,7 +84,7 @@ bool Folder::is_in_place() const {
          held.st_dev == found.st_dev && held.st_ino == found.st_ino;
 }
 
-void Folder::remove(const std::string& name) const noexcept { ::unlinkat(fd_, name.c_str(), 0); }
+void Folder::remove(const char* name) const noexcept { ::unlinkat(fd_, name, 0); }
 
 void Folder::sync() const { ::fsync(fd_); }
 

@@ -25,8 +25,8 @@ class Folder {
   const std::filesystem::path& path() const { return path_; }
   /// Whether the path still leads to this folder.
   bool is_in_place() const;
-  /// Removes the file with this name if there is one.
-  void remove(const std::string& name) const noexcept;
+  /// Removes the file with this name if there is one. Safe in a signal handler.
+  void remove(const char* name) const noexcept;
   /// Returns when the names of the files in the folder are on disk. Does nothing on file systems
   /// that do not support this.
   void sync() const;

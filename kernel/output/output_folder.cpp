@@ -265,8 +265,8 @@ void OutputFolder::remove_stale() {
   for (const Names names : {Names::frames, Names::pieces, Names::nothing})
     for (const std::string& name : listed_)
       if (names_in(name) == names) {
-        if (!own_.contains(name)) folder_->remove(name);
-        if (!announced_.contains(name)) folder_->remove(temporary_name(name));
+        if (!own_.contains(name)) folder_->remove(name.c_str());
+        if (!announced_.contains(name)) folder_->remove(temporary_name(name).c_str());
       }
   write_list();
 }
@@ -309,7 +309,7 @@ std::unique_ptr<OutputFile> OutputFolder::grow(const std::string& name, std::uin
 void OutputFolder::remove(const std::string& name) {
   if (is_silent()) return;
   open();
-  folder_->remove(name);
+  folder_->remove(name.c_str());
 }
 
 void OutputFolder::sync() {

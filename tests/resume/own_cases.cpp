@@ -49,7 +49,8 @@ Case asleep(Random& random, unsigned, std::uint64_t) {
         {{"at", random.between(0.2, 2.9)}, {"cut", across(random.between(0.2, 0.8), random)}});
   if (random.chance(0.3)) scene["events"].push_back({{"at", 2.5}, {"suture", Json::object()}});
   if (random.chance(0.5))
-    scene["contact"] = {{"pieces", random.chance(0.7)}, {"obstacles", {rising_floor(random, 2.6)}}};
+    scene["contact"] = {{"pieces", random.chance(0.7)},
+                        {"obstacles", Json::array({rising_floor(random, 2.6)})}};
   add_output(scene, random);
   return result;
 }
@@ -150,7 +151,7 @@ Case along(Random& random, unsigned, std::uint64_t) {
     scene["solver"].update({{"integrator", "newmark"}, {"dt", 0.02}});
   else if (random.chance(0.7))
     scene["contact"] = {{"friction", random.between(0, 0.5)},
-                        {"obstacles", {rising_floor(random, 1)}}};
+                        {"obstacles", Json::array({rising_floor(random, 1)})}};
   if (scene.contains("contact") && !scene["solver"].contains("sleep"))
     scene["contact"]["pieces"] = random.chance(0.6);
   if (scene.contains("contact") && random.chance(0.5)) {

@@ -194,7 +194,7 @@ void Draft::start(const Body& given, const Material& material, double end) {
   end_ = end * period_;
   trial.scene["suture"] = 1;
   trial.scene["mesh"] = body.mesh;
-  trial.scene["models"] = {model_entry(material)};
+  trial.scene["models"] = Json::array({model_entry(material)});
   trial.scene["output"] = false;
 }
 

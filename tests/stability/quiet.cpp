@@ -56,7 +56,7 @@ void still(Draft& d) {
   const double wait = d.random.decades(5, 50), moving = d.random.between(5, 10);
   begin(d, pair, body, wait + moving + 1, 0);
   d.trial.mesh = body.file;
-  if (is_naive(pair.material)) d.trial.scene["models"] = {naive_entry(pair.material)};
+  if (is_naive(pair.material)) d.trial.scene["models"] = Json::array({naive_entry(pair.material)});
   d.trial.title = pair.material.name + " " + pair.solver + " " + body.name;
   d.trial.model.clear();  // judged as a load
   d.trial.solver.clear();

@@ -143,7 +143,7 @@ TEST(StaticTrials, EventsInTheLastFrameAreFollowedByAnEquilibrium) {
              {{"model", i % 3 == 0 ? "neo-hookean" : "tm-faure"}, {"parameters", parameters}},
              {{"static", {{"frames", 1 + i % 3}}}, {"end", 1}, {"threads", 1}});
     scene["gravity"] = {{"value", {0, -1.5, 0}}, {"ramp", 0.5}};
-    scene["events"] = {event_at_end(random, i)};
+    scene["events"] = Json::array({event_at_end(random, i)});
     FinishedRun run(scene);
     ASSERT_GT(run.summary.faces_cut + run.summary.elements_removed, 0u);
     EXPECT_LT(unbalanced(run.simulation), 1.1e-8);

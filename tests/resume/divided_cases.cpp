@@ -59,7 +59,8 @@ Json models(Random& random) {
   const Json solid{{"model", "tm-faure"}, {"parameters", {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}}}};
   const Json springs{{"model", "mss-baudet"},
                      {"parameters", {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}}}};
-  return random.pick(std::vector<Json>{{solid}, {solid}, {springs}, {solid, springs}});
+  const Json one = Json::array({solid}), other = Json::array({springs}), both = {solid, springs};
+  return random.pick(std::vector<Json>{one, one, other, both});
 }
 
 Json moved_side(Random& random, double end) {

@@ -43,6 +43,14 @@ void replace_all(std::string& text, const std::string& what, const std::string& 
     text.replace(at, what.size(), by);
 }
 
+#ifdef SUTURE_SANITIZED
+/// The element that is found unstable depends on rounding, and so on the compiler.
+std::string without_element(const std::string& text) {
+  static const std::regex element(R"((the limit is \d+\) at element )\d+)");
+  return std::regex_replace(text, element, "$1#");
+}
+#endif
+
 bool is_covered(const std::string& suite) {
   for (const char* covered : {"BadScenes", "BadMeshes", "BadElements", "BadImages", "BadPlugins",
                               "Mistakes", "FailedRuns"})
@@ -54,13 +62,11 @@ bool is_covered(const std::string& suite) {
 
 void Messages::add(std::string text, const std::filesystem::path& folder) {
   static const std::regex fraction(R"(0x[0-9a-f]+|\d+\.\d+(e[-+]?\d+)?|\d+e[-+]\d+|\d{3,})");
-  static const std::regex most_unstable(R"((the limit is \d+\) at element )\d+)");
   static const std::regex isa(R"(\.(avx2|avx512)\.so)");
   const std::filesystem::path build = std::filesystem::path(SUTURE_PROGRAM).parent_path();
   replace_all(text, folder.string(), "FOLDER");
   replace_all(text, build.parent_path().string(), "BUILD");
   text = std::regex_replace(text, fraction, "#");
-  text = std::regex_replace(text, most_unstable, "$1#");
   text = std::regex_replace(text, isa, ".so");
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);)
@@ -72,11 +78,11 @@ void Messages::compare() const {
   if (!is_covered(test.test_suite_name()) || lines_.empty() || ::testing::Test::IsSkipped()) return;
   const std::string name = std::string(test.test_suite_name()) + "." + test.name();
   Sections sections = read_sections();
-#ifdef SUTURE_SANITIZED  // without the crashes
+#ifdef SUTURE_SANITIZED
+  const std::string section = '\n' + without_element(sections[name]);
   for (const std::string& line : lines_)
-    EXPECT_NE(sections[name].find(line + '\n'), std::string::npos) << line;
-  return;
-#endif
+    EXPECT_NE(section.find('\n' + without_element(line) + '\n'), std::string::npos) << line;
+#else
   std::string text;
   for (const std::string& line : lines_) text += line + '\n';
   const char* mode = std::getenv("SUTURE_MESSAGES");
@@ -87,6 +93,7 @@ void Messages::compare() const {
     EXPECT_EQ(text, sections[name]) << "messages differ from " SUTURE_MESSAGES_FILE
                                     << "; if they are meant to, write it again (messages.hpp)";
   }
+#endif
 }
 
 }  // namespace suture::testing

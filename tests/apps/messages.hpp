@@ -14,8 +14,8 @@ namespace suture::testing {
 class Messages {
  public:
   /// Adds the lines that are new, with paths under `folder` and the build folder made relative and
-  /// fractions, long numbers and the element that is found unstable replaced by '#', since they
-  /// depend on rounding, and so on the instruction set and the compiler.
+  /// fractions and long numbers replaced by '#', since their last digits depend on the instruction
+  /// set.
   void add(std::string text, const std::filesystem::path& folder);
   /// Fails the present test if its section differs. Does nothing for tests of other suites. Under a
   /// sanitizer, which handles crashes itself, the section may have more lines.

@@ -367,6 +367,7 @@ bool Newton::is_at_rounding(const StepEquations& equations, double residual) {
 
 /// The tolerance of a linear solve: smaller, the better the last iteration was.
 double Newton::forcing(const Progress& progress) const {
+  if (progress.residual == 0) return first_forcing;  // only what is prescribed has to move
   const double enough = part_of_tolerance * tolerance_ * scale_ / progress.residual;
   if (progress.iterations == 0)
     return enough < within_reach ? first_forcing : std::min(enough, first_forcing);

@@ -95,7 +95,8 @@ LinearSolve StepSolver::solve(std::span<const double> b, std::span<double> x, do
   result.outcome = LinearSolve::Outcome::too_many;
   if (is_ready()) {
     const double expected = built_.expected_iterations(tolerance);
-    const unsigned most = static_cast<unsigned>(2 * expected) + tried_iterations;
+    const unsigned most = tried_iterations + static_cast<unsigned>(std::min<double>(
+                                                 2 * expected, max_krylov_iterations));
     result = iterate(checked_limit(most, check), b, x, tolerance);
   }
   if (result.outcome != LinearSolve::Outcome::converged) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Several processes that make a run together.
-//   SUTURE_FULL=1              three scenes of each kind, 50 of divided bodies and of their frames
+//   SUTURE_FULL=1              a scene of each kind, 50 of divided bodies, 50 of their frames
 //                              in pieces, 20 kills;
 //   otherwise                  as many scenes as some seconds hold, one solver, one kill
 //   SUTURE_PROCESSES_SEED=N    these scenes; otherwise others in each run

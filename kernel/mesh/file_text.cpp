@@ -9,6 +9,7 @@
 #include "kernel/base/escape.hpp"
 #include "kernel/base/input_file.hpp"
 #include "kernel/base/nearest.hpp"
+#include "kernel/base/types.hpp"
 
 namespace suture {
 namespace {

@@ -261,8 +261,10 @@ class cell {
     if constexpr (detail::reads_element_parameters<Model, Functor>) {
       return parameters()[i];
     } else {
-      if (__builtin_constant_p(i) && detail::element_places<Model>[i] >= 0)
-        detail::parameter_differs_between_elements();
+      if constexpr (detail::varies<Model>) {
+        const bool differs = detail::element_places<Model>[i] >= 0;
+        if (__builtin_constant_p(differs) && differs) detail::parameter_differs_between_elements();
+      }
       return context_->parameters[i];
     }
   }

@@ -37,8 +37,12 @@ struct Springs : suture::model, suture::on_edges {
   static constexpr const char* citation = "textbook";
 #endif
   enum { stiffness, damping };
-  static constexpr suture::parameter parameters[] = {suture::number("k", "N/m", "stiffness"),
-                                                     suture::number("c", "N s/m", "damping")};
+  static constexpr suture::parameter parameters[] = {
+      suture::number("k", "N/m", "stiffness"), suture::number("c", "N s/m", "damping")
+#ifdef MISTAKE_PARAMETER_PER_ELEMENT
+                                                   .per_element()
+#endif
+  };
   static constexpr suture::attribute attributes[] = {
       suture::vertex_attribute("mass", "kg", "share")
           .from_volumes(suture::contribution<Springs, Share>)

@@ -12,6 +12,7 @@
 #include <iostream>
 #include <random>
 
+#include "kernel/output/checkpoint_file.hpp"
 #include "tests/resume/together.hpp"
 
 namespace suture::test {

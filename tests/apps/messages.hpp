@@ -18,7 +18,8 @@ class Messages {
   /// set.
   void add(std::string text, const std::filesystem::path& folder);
   /// Fails the present test if its section differs. Does nothing for tests of other suites. Under a
-  /// sanitizer, which handles crashes itself, the section may have more lines.
+  /// sanitizer, which handles crashes itself, the section may have more lines. The element that is
+  /// found unstable is compared in release builds only.
   void compare() const;
 
  private:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Contact: finding near pairs, and whole steps with and without.
-#include "kernel/contact/contact.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,8 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/contact_letters.hpp"
 #include "apps/suture-bench/timer.hpp"
+#include "kernel/contact/contact.hpp"
+#include "kernel/contact/near_pairs.hpp"
 #include "kernel/topology/dart.hpp"
 
 namespace suture::bench {

@@ -11,7 +11,7 @@
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/timer.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/run/simulation.hpp"
 
 namespace suture::bench {

@@ -9,7 +9,7 @@
 #include "apps/suture-bench/body.hpp"
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 
 namespace suture::bench {
 namespace {

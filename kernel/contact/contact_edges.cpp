@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A step in which blades meet tissue that resists their edges.
 #include "kernel/contact/contact.hpp"
+#include "kernel/contact/contact_books.hpp"
 
 namespace suture {
 
@@ -14,13 +15,14 @@ void Contact::add_edge(const CuttingEdges::Edge& edge) {
 
 /// Adds the vertices at the edges to those that the step may push.
 void Contact::find_at_edges() {
-  near_of_vertex_.resize(attributes_.vertex_count(), none);
-  for (std::size_t i = 0; i < near_.size(); ++i)
-    near_of_vertex_[near_[i].vertex] = static_cast<Index>(i);
+  std::vector<Index>& near_of_vertex = step_.near_of_vertex;
+  near_of_vertex.resize(attributes_.vertex_count(), none);
+  for (std::size_t i = 0; i < step_.near.size(); ++i)
+    near_of_vertex[step_.near[i].vertex] = static_cast<Index>(i);
   for (const Index v : edges_->vertices()) {
-    if (near_of_vertex_[v] != none) continue;
-    near_of_vertex_[v] = static_cast<Index>(near_.size());
-    add_near(v);
+    if (near_of_vertex[v] != none) continue;
+    near_of_vertex[v] = static_cast<Index>(step_.near.size());
+    step_.add_near(attributes_, v);
   }
 }
 
@@ -30,31 +32,23 @@ double Contact::sweep_edges(double dt) {
   if (!pieces_) return edges_->sweep(dt);
   const std::span<const Index> vertices = edges_->vertices();
   const auto velocity = [&](Index v) { return row(attributes_.velocity().rows(), v); };
-  before_edges_.clear();
-  for (const Index v : vertices) before_edges_.push_back(velocity(v));
+  std::vector<Vec3>& before = step_.before_edges;
+  before.clear();
+  for (const Index v : vertices) before.push_back(velocity(v));
   const double largest = edges_->sweep(dt);
   for (std::size_t i = 0; i < vertices.size(); ++i)
-    pieces_->disturb(vertices[i], dt * norm(minus(velocity(vertices[i]), before_edges_[i])));
+    pieces_->disturb(vertices[i], dt * norm(minus(velocity(vertices[i]), before[i])));
   return largest;
 }
 
 /// The work of the forces on vertices is booked; here, what cutting takes is found in it, as that
 /// of friction is.
-void Contact::book_edges(const ContactStep& step) {
+void Contact::book_edges(ContactBooks& books) {
   edges_->finish();
-  for (const CuttingEdges::Grip& grip : edges_->grips()) {
-    if (grip.change == Vec3{}) continue;
-    const ContactPoint& point = grip.mass.point();
-    const Vec3 impulse = grip.impulse();
-    const double taken =
-        -step.work_gain * dot(impulse, minus(mean_velocity(point, step), edges_->velocity(grip)));
-    work_ += taken;
-    cutting_work_ -= taken;
-    const Vec3 on = scaled(1 / step.whole_gain, impulse);
-    for (std::size_t j = 0; j < point.vertices.size(); ++j)
-      obstacle_forces_.push_back({point.vertices[j], static_cast<Index>(edges_->obstacle(grip)),
-                                  scaled(point.weights[j], on)});
-  }
+  for (const CuttingEdges::Grip& grip : edges_->grips())
+    if (grip.change != Vec3{})
+      books.cutting(grip.mass.point(), static_cast<Index>(edges_->obstacle(grip)), grip.impulse(),
+                    edges_->velocity(grip));
 }
 
 }  // namespace suture

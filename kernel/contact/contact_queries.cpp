@@ -21,7 +21,7 @@ std::vector<Index> Contact::near_moving_obstacles(double time, double dt) const 
     const bool stands = start.turn == end.turn && start.translation == end.translation;
     if (!tools_[i] && stands) continue;
     const PlacedObstacle placed(obstacles_[i], thickness_, start, end);
-    for_each_point([&](const ContactPoint& point) {
+    points_.for_each([&](const ContactPoint& point) {
       if (placed.may_touch(point.sum(attributes_.position().rows()), longest_edge_))
         found.insert(found.end(), point.vertices.begin(), point.vertices.end());
     });
@@ -31,14 +31,14 @@ std::vector<Index> Contact::near_moving_obstacles(double time, double dt) const 
 
 std::vector<double> Contact::gaps(double time) const {
   std::vector<double> gaps(attributes_.vertex_count(), std::numeric_limits<double>::quiet_NaN());
-  for_each_point([&](const ContactPoint& point) {
+  points_.for_each([&](const ContactPoint& point) {
     for (const Index v : point.vertices) gaps[v] = infinity;
   });
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     const PlacedObstacle placed(obstacles_[i], thickness_, pose(i, time), pose(i, time));
-    for_each_point([&](const ContactPoint& point) {
+    points_.for_each([&](const ContactPoint& point) {
       const Vec3 place = point.sum(attributes_.position().rows());
-      const Vec3* side = sides_.outside(i, point.number);
+      const Vec3* side = kept_.sides.outside(i, point.number);
       const Nearest gap = side ? placed.gap_from(*side, place) : placed.gap(place);
       for (const Index v : point.vertices) gaps[v] = std::min(gaps[v], gap.distance);
     });
@@ -51,7 +51,7 @@ std::vector<Index> Contact::vertices_near(std::size_t obstacle, double time,
   std::vector<Index> found;
   const Pose now = pose(obstacle, time);
   const PlacedObstacle placed(obstacles_[obstacle], thickness_, now, now);
-  for_each_point([&](const ContactPoint& point) {
+  points_.for_each([&](const ContactPoint& point) {
     if (placed.gap(point.sum(attributes_.position().rows())).distance <= distance)
       found.insert(found.end(), point.vertices.begin(), point.vertices.end());
   });
@@ -64,7 +64,7 @@ double Contact::top_speed(const Obstacle& obstacle, double time) const {
   double reach = obstacle.reach();
   if (reach == infinity) {
     reach = 0;
-    for (const Index v : surface_.vertices())
+    for (const Index v : surface().vertices())
       reach =
           std::max(reach, norm(minus(row(attributes_.rest().rows(), v), obstacle.motion.centre)));
     reach += size_;
@@ -74,7 +74,7 @@ double Contact::top_speed(const Obstacle& obstacle, double time) const {
 
 double Contact::longest_step(double time) const {
   double step = infinity;
-  if (closing_speed_ > 0) step = max_approach * mean_edge_ / closing_speed_;
+  if (kept_.closing_speed > 0) step = max_approach * mean_edge_ / kept_.closing_speed;
   for (std::size_t i = 0; i < obstacles_.size(); ++i) {
     const bool stands = time >= obstacles_[i].motion.last_change();
     double speed = stands ? 0 : top_speed(obstacles_[i], time);
@@ -88,21 +88,17 @@ double Contact::longest_step(double time) const {
 
 void Contact::change_sleepers(const LiveMask& moving) {
   if (pieces_) pieces_->change_sleepers(moving);
-  const auto moves = [&](const Press& press) { return moving[press[0]] || moving[press[1]]; };
-  std::erase_if(presses_asleep_, moves);
-  std::erase_if(pair_presses_, moves);
-  presses_asleep_.insert(presses_asleep_.end(), pair_presses_.begin(), pair_presses_.end());
-  pair_presses_.clear();
+  kept_.change_sleepers(moving);
 }
 
 void Contact::for_each_pushed_sleeper(const VisitPushed& visit) const {
   if (pieces_) pieces_->for_each_pushed_sleeper(visit);
-  for (const auto& [vertex, acceleration] : pushed_sleepers_) visit(vertex, acceleration);
+  for (const auto& [vertex, acceleration] : kept_.pushed_sleepers) visit(vertex, acceleration);
 }
 
 std::vector<Contact::Press> Contact::presses() const {
-  std::vector<Press> result = pair_presses_;
-  result.insert(result.end(), presses_asleep_.begin(), presses_asleep_.end());
+  std::vector<Press> result = kept_.pair_presses;
+  result.insert(result.end(), kept_.presses_asleep.begin(), kept_.presses_asleep.end());
   if (!pieces_) return result;
   for (const auto touches : {pieces_->touches(), pieces_->asleep()})
     for (const PieceContact::Touch& touch : touches)

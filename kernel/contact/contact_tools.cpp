@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "kernel/contact/contact.hpp"
+#include "kernel/contact/point_pushes.hpp"
+#include "kernel/contact/vertex_pushes.hpp"
 
 namespace suture {
 namespace {
@@ -26,7 +28,7 @@ void Contact::settle_tools(const ContactStep& step) {
     agree = change <= tool_tolerance * shortest_edge_;
     if (change <= tolerance * shortest_edge_) break;
     for (std::size_t i = 0; i < tools_.size(); ++i)
-      if (tools_[i]) placed_[i].move_end(tools_[i]->end());
+      if (tools_[i]) step_.placed[i].move_end(tools_[i]->end());
     release(step);
     push(step.dt);
   }
@@ -36,35 +38,31 @@ void Contact::settle_tools(const ContactStep& step) {
 
 /// Back to the step without contact.
 void Contact::release(const ContactStep& step) {
-  for (const Near& near : near_) {
+  for (const Near& near : step_.near) {
     const std::size_t at = 4 * std::size_t{near.vertex};
     std::ranges::copy(near.free_end, attributes_.position().rows() + at);
     std::ranges::copy(near.free_velocity, attributes_.velocity().rows() + at);
-    if (edges_) near_of_vertex_[near.vertex] = none;  // pieces find theirs again
+    if (edges_) step_.near_of_vertex[near.vertex] = none;  // pieces find theirs again
   }
-  for (Pushed& pushed : pushed_) pushed.change = {};
-  if (pieces_) find_touching_pieces(step);
+  for (Pushed& pushed : step_.pushed) pushed.change = {};
+  if (pieces_) vertex_pushes_->find_touching(step);
   if (!edges_) return;
   find_at_edges();
-  edges_->release(placed_);
+  edges_->release(step_.placed);
 }
 
-/// visit(i, push) for what an obstacle pushes, by place in pushed_.
+/// visit(i, push) for what an obstacle pushes, by place in those pushed.
 template <class Visit>
 void Contact::for_each_pushed_by(std::size_t obstacle, Visit visit) const {
-  for (std::size_t i = 0; i < pushed_.size(); ++i)
-    for (const PushBy& by : std::span(pushes_).subspan(pushed_[i].first, pushed_[i].count))
+  for (std::size_t i = 0; i < step_.pushed.size(); ++i)
+    for (const PushBy& by :
+         std::span(step_.pushes).subspan(step_.pushed[i].first, step_.pushed[i].count))
       if (by.obstacle == obstacle && by.push.normal != Vec3{}) visit(i, by.push);
 }
 
-Vec3 Contact::place_of(std::size_t i) const {
-  const double* x = attributes_.position().rows();
-  return points_ ? point_masses_[i].point().sum(x) : row(x, pushed_[i].vertex);
-}
-
 Vec3 Contact::mass_of(std::size_t i) const {
-  if (points_) return point_masses_[i].mass();
-  const double mass = attributes_.mass().rows()[pushed_[i].vertex];
+  if (point_pushes_) return point_pushes_->mass(i).mass();
+  const double mass = attributes_.mass().rows()[step_.pushed[i].vertex];
   return {mass, mass, mass};
 }
 
@@ -79,7 +77,7 @@ Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
   for_each_pushed_by(obstacle, [&](std::size_t i, const Push& push) {
     const Vec3 change = plus(push.normal, push.tangential), mass = mass_of(i);
     const Vec3 impulse{-mass[0] * change[0], -mass[1] * change[1], -mass[2] * change[2]};
-    add(place_of(i), impulse);
+    add(points_.place(step_.pushed[i].vertex), impulse);
   });
   if (!edges_) return answer;
   for (const CuttingEdges::Grip& grip : edges_->grips())
@@ -91,8 +89,8 @@ Tool::Impulse Contact::answer_to(std::size_t obstacle) const {
 std::vector<Tool::Pushed> Contact::pushed_by(std::size_t obstacle) const {
   std::vector<Tool::Pushed> pushed;
   for_each_pushed_by(obstacle, [&](std::size_t i, const Push& push) {
-    pushed.push_back(
-        {place_of(i), mass_of(i)[0], Tool::response(push, obstacles_[obstacle].friction)});
+    pushed.push_back({points_.place(step_.pushed[i].vertex), mass_of(i)[0],
+                      Tool::response(push, obstacles_[obstacle].friction)});
   });
   if (edges_) edges_->add_pushed_by(obstacle, pushed);
   return pushed;

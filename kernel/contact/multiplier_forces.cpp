@@ -41,7 +41,7 @@ void MultiplierForces::resize() {
   for (auto* all : {&of_obstacles_, &accepted_of_obstacles_}) {
     all->resize(contact_.obstacles().size());
     for (std::vector<Multiplier>& of : *all)
-      if (contact_.has_points())
+      if (contact_.points().are_embedded())
         of.clear();  // the points are others
       else
         of.resize(attributes_.vertex_count());
@@ -109,8 +109,8 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
     if (!obstacle.pushes) continue;
     const PlacedObstacle placed(obstacle, contact_.thickness(), start_.empty() ? time : start_time_,
                                 time);
-    of_obstacles_[i].resize(contact_.point_count());
-    contact_.for_each_point([&](const ContactPoint& point) {
+    of_obstacles_[i].resize(contact_.points().count());
+    contact_.points().for_each([&](const ContactPoint& point) {
       Multiplier& last = of_obstacles_[i][point.number];
       const Vec3 place = point.sum(x), start = start_.empty() ? place : point.sum(start_.data());
       const Vec3* side = contact_.sides().outside(i, point.number);

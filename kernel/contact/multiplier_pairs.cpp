@@ -29,7 +29,7 @@ MultiplierForces::Pairs MultiplierForces::find_pairs(double time) {
   if (!pieces && !points) return pairs;
   find_stiffness(time);
   const double* x = contact_.places_now();
-  found_at_.assign(x, x + std::size_t{contact_.point_count()} * 4);
+  found_at_.assign(x, x + std::size_t{contact_.points().count()} * 4);
   if (points) {
     const double *mass = attributes_.mass().rows(), *fixed = attributes_.fixed().rows();
     for (std::size_t i = 0; i < points->size(); ++i)
@@ -50,7 +50,7 @@ MultiplierForces::Pairs MultiplierForces::find_pairs(double time) {
 void MultiplierForces::refuse_long_ways(double time) const {
   if (found_at_.empty()) return;
   const auto missed =
-      find_missed_approach(contact_.touching_places(), found_at_.data(), contact_.places_now(),
+      find_missed_approach(contact_.points().numbers(), found_at_.data(), contact_.places_now(),
                            contact_.mean_edge(), PieceContact::max_depth * contact_.mean_edge());
   if (!missed) return;
   std::ostringstream text;

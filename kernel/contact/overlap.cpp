@@ -21,8 +21,9 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
 template <class Visit>
 void for_each_place(const Contact& contact, const CellComplex& complex, const double* positions,
                     Visit visit) {
-  if (contact.has_points())
-    return contact.for_each_point([&](const ContactPoint& point) { visit(point.sum(positions)); });
+  if (contact.points().are_embedded())
+    return contact.points().for_each(
+        [&](const ContactPoint& point) { visit(point.sum(positions)); });
   for (Index v = 0; v < complex.count(0); ++v)
     if (complex.exists(0, v)) visit(row(positions, v));
 }

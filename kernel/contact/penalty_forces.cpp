@@ -20,7 +20,7 @@ void PenaltyForces::for_each_push(double time, Visit visit) {
     if (!contact_.obstacles()[i].pushes) continue;
     const PlacedObstacle placed(contact_.obstacles()[i], contact_.thickness(),
                                 last_.empty() ? time : last_time_, time);
-    contact_.for_each_point([&](const ContactPoint& point) {
+    contact_.points().for_each([&](const ContactPoint& point) {
       const Vec3 place = point.sum(x), start = last_.empty() ? place : point.sum(last_.data());
       const Vec3* side = contact_.sides().outside(i, point.number);
       if (!side && !placed.may_meet(start, place, 0)) return;
@@ -93,7 +93,7 @@ void PenaltyForces::add_tangent(const double* d, double dx, double, const Tangen
 void PenaltyForces::add_bounds(double time, const AddBounds& sums) {
   find_stiffness(time);
   const double no_coupling[6]{};
-  contact_.for_each_point([&](const ContactPoint& point) {
+  contact_.points().for_each([&](const ContactPoint& point) {
     for (std::size_t i = 0; i < point.vertices.size(); ++i) {
       const double k = point.weights[i] * stiffness_of(point), bound[6]{k, k, k, 0, 0, 0};
       sums(point.vertices[i], bound, no_coupling);

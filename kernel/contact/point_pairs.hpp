@@ -17,7 +17,7 @@
 //
 // The offset p - x is a combination of vertices, as a point is: those of p with their weights,
 // those of the corners of the triangle with theirs, negative. So the impulses of PointMass, which
-// act on all of them, conserve momentum, and the sweeps over points (contact_points.cpp) take pairs
+// act on all of them, conserve momentum, and the sweeps over points (point_pushes.cpp) take pairs
 // like points: n . (p - x) must not be negative at the end of the step, and Coulomb's law holds for
 // sliding.
 //

@@ -32,6 +32,8 @@ struct ContactStep {
 /// What a body, its steps and its results know of contact: two calls in each explicit step, the
 /// contact of the last step, and queries. How it acts is left to the room `contact`: by impulses
 /// (Contact), or by a term of the body whose forces it records (MultiplierForces, PenaltyForces).
+/// It has more than 25 functions, since it is all that other rooms see of contact: half of them are
+/// one-line queries of lengths and of the last step.
 class ContactLaw : public Follower {
  public:
   const std::vector<Obstacle>& obstacles() const { return obstacles_; }
@@ -79,22 +81,27 @@ class ContactLaw : public Follower {
     Index vertex;
     Vec3 force;  ///< on the vertex, N, mean of the step
   };
-  std::span<const Touch> touches() const { return touches_; }
+  std::span<const Touch> touches() const { return results_.touches; }
   /// On the obstacles in the last step; torques about PlacedObstacle::centre().
   struct Load {
     Vec3 force{}, torque{};  ///< N, N m
   };
-  const std::vector<Load>& loads() const { return loads_; }
+  const std::vector<Load>& loads() const { return results_.loads; }
   /// The work of contact without friction and cutting on the body, and that of friction, which is
   /// negative, J.
-  double work() const { return work_; }
-  double friction_work() const { return friction_work_; }
+  double work() const { return results_.work; }
+  double friction_work() const { return results_.friction_work; }
   /// That of the tissue against blades, which is negative, J; none where no blade is resisted.
   std::optional<double> cutting_work() const {
-    return cuts_ ? std::optional(cutting_work_) : std::nullopt;
+    return cuts_ ? std::optional(results_.cutting_work) : std::nullopt;
   }
   /// The work of both in the last step, J.
-  double step_work() const { return step_work_; }
+  double step_work() const { return results_.step_work; }
+  struct Results {
+    std::vector<Touch> touches{};
+    std::vector<Load> loads{};  ///< by obstacle
+    double work = 0, friction_work = 0, cutting_work = 0, step_work = 0;
+  };
   /// The power of the forces of the last step at the current velocities, W.
   virtual double power() const = 0;
   /// Two pieces that entered each other in the last step although they touch, because they met too
@@ -153,18 +160,16 @@ class ContactLaw : public Follower {
   virtual void state(Archive& archive) = 0;
 
  protected:
-  explicit ContactLaw(std::vector<Obstacle> obstacles)
-      : obstacles_(std::move(obstacles)), loads_(obstacles_.size()) {}
+  explicit ContactLaw(std::vector<Obstacle> obstacles) : obstacles_(std::move(obstacles)) {
+    results_.loads.resize(obstacles_.size());
+  }
 
   std::vector<Obstacle> obstacles_;
   Box box_ = no_box;
   double shortest_edge_ = 0, mean_edge_ = 0, size_ = 0;  ///< m
   bool is_term_ = false;
   bool cuts_ = false;  ///< tissue resists a blade that an obstacle carries
-  // Results of the last step.
-  std::vector<Touch> touches_;
-  std::vector<Load> loads_;
-  double work_ = 0, friction_work_ = 0, cutting_work_ = 0, step_work_ = 0;
+  Results results_;
 };
 
 }  // namespace suture

@@ -202,8 +202,8 @@ void decide_contact(BuiltScene& built, std::vector<Decision>& list) {
   const BoundarySurface& surface = contact->surface();
   list.push_back({"contact", false,
                   count_text(contact->obstacles().size(), "obstacle") + " against " +
-                      (contact->has_points()
-                           ? std::to_string(contact->point_count()) + " points of the surface"
+                      (contact->points().are_embedded()
+                           ? std::to_string(contact->points().count()) + " points of the surface"
                            : std::to_string(surface.vertices().size()) + " vertices of " +
                                  std::to_string(surface.faces().size()) + " boundary faces") +
                       ", in every step" +

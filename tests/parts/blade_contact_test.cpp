@@ -10,7 +10,7 @@
 
 #include "kernel/base/rows.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/run/simulation.hpp"
 #include "tests/parts/blade_event.hpp"
 #include "tests/run/equilibrium.hpp"

@@ -9,7 +9,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/vec3.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/run/simulation.hpp"

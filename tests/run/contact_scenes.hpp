@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene.hpp"
 #include "tests/mesh/temporary_folder.hpp"

@@ -111,7 +111,7 @@ TEST(ContactScenes, ABlockRestsOnSprings) {
   const double weight = 1000 * 0.4 * 0.4 * 0.2 * 9.81;
   EXPECT_NEAR(simulation.contact()->loads()[0].force[2], -weight, 1e-5 * weight);
   double work = 0;  // stored by springs that stiffen from 0 in proportion to the depth: f d / 3
-  for (const Contact::Touch& touch : simulation.contact()->touches())
+  for (const ContactLaw::Touch& touch : simulation.contact()->touches())
     work += touch.force[2] * simulation.attributes().position().get(touch.vertex, 2) / 3;
   EXPECT_LT(work, 0);
   EXPECT_NEAR(simulation.built().dynamics().balance().work("contact"), work, 1e-2 * std::abs(work));
@@ -159,7 +159,7 @@ TEST(ContactScenes, HaveTheSameBitsForAnyNumberOfThreads) {
     simulation.run();
     const Column& x = simulation.attributes().position();
     std::vector<double> all(x.rows(), x.rows() + 4 * std::size_t{x.size()});
-    for (const Contact::Load& load : simulation.contact()->loads())
+    for (const ContactLaw::Load& load : simulation.contact()->loads())
       all.insert(all.end(), load.force.begin(), load.force.end());
     EXPECT_GT(std::abs(all.back()), 0) << "both touch";
     if (threads == 1) first = all;
@@ -186,7 +186,7 @@ TEST(ContactScenes, WriteForcesAndEnergies) {
   ASSERT_EQ(tools.columns.size(), 2u + 2 * 6);
   EXPECT_EQ(tools.columns[2], "floor force x [N]");
   EXPECT_EQ(tools.columns.back(), "wall torque z [N m]");
-  const Contact::Load& floor = simulation.contact()->loads()[0];
+  const ContactLaw::Load& floor = simulation.contact()->loads()[0];
   EXPECT_EQ(tools.last("floor force z [N]"), floor.force[2]);
   EXPECT_LT(floor.force[2], -100);
 

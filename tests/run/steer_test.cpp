@@ -57,7 +57,7 @@ struct SteeredRun {
   double force() const { return simulation.contact()->loads()[0].force[2]; }
   std::vector<double> state() {
     std::vector<double> all = position_rows(simulation);
-    for (const Contact::Load& load : simulation.contact()->loads())
+    for (const ContactLaw::Load& load : simulation.contact()->loads())
       all.insert(all.end(), load.force.begin(), load.force.end());
     return all;
   }

@@ -7,7 +7,7 @@
 #include <memory>
 #include <numbers>
 
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/solid_surface.hpp"
 #include "tests/base/sanitizer.hpp"
 #include "tests/mesh/temporary_folder.hpp"

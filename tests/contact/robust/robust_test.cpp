@@ -10,7 +10,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/build/built_scene.hpp"
-#include "kernel/contact/contact.hpp"
+#include "kernel/forces/contact_law.hpp"
 #include "kernel/run/simulation.hpp"
 #include "tests/contact/robust/robust_scenes.hpp"
 #include "tests/contact/robust/separation.hpp"

@@ -155,6 +155,16 @@ links() {
   return $bad
 }
 
+# Each decision has a row in the index.
+decisions() {
+  local bad=0 page
+  while read -r page; do
+    grep -qF "]($(basename "$page"))" docs/decisions/README.md ||
+      { echo "$page:1: has no row in docs/decisions/README.md"; bad=1; }
+  done < <(files '^docs/decisions/[0-9].*\.md$')
+  return $bad
+}
+
 format() {
   command -v clang-format >/dev/null || { echo "no clang-format here"; exit 77; }
   files "$sources" | xargs -r -d '\n' clang-format --dry-run -Werror
@@ -169,7 +179,7 @@ top_level() {
 }
 
 case $check in
-  machine_paths | unfinished | pipes | include_direction | licences | class_names | headers | sizes | weight | links | format | top_level)
+  machine_paths | unfinished | pipes | include_direction | licences | class_names | headers | sizes | weight | links | decisions | format | top_level)
     "$check" && echo "$check: good" ;;
   *) echo "check.sh: no check '$check'"; exit 2 ;;
 esac

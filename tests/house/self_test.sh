@@ -11,11 +11,13 @@ failures=0
 # fresh: a small tree that obeys all laws.
 fresh() {
   rm -rf "${tree:?}"/*
-  mkdir -p "$tree"/{kernel/mesh,kernel/topology,sdk,plugins,tests,docs}
+  mkdir -p "$tree"/{kernel/mesh,kernel/topology,sdk,plugins,tests,docs/decisions}
   printf '// SPDX-License-Identifier: GPL-3.0-or-later\n#include "kernel/mesh/a.hpp"\n' >"$tree/kernel/topology/b.cpp"
   printf '// SPDX-License-Identifier: GPL-3.0-or-later\nnamespace suture {\nclass A {};\n} // namespace suture\n' >"$tree/kernel/mesh/a.hpp"
   printf '/* SPDX-License-Identifier: MIT\n */\n' >"$tree/sdk/a.h"
   printf '[a](../sdk/a.h) [b](https://example.org)\n' >"$tree/docs/a.md"
+  printf '[1](001-a.md)\n' >"$tree/docs/decisions/README.md"
+  printf '# 001 A\n' >"$tree/docs/decisions/001-a.md"
   touch "$tree/CMakeLists.txt" "$tree/README.md"
 }
 
@@ -52,6 +54,7 @@ must_report headers kernel/topology/c.hpp ''
 must_report sizes kernel/mesh/a.hpp "$(seq 700)"
 must_report sizes CMakeLists.txt "$(seq 130)"
 must_report weight docs/big.dat "$(seq 200000)"
+must_report decisions docs/decisions/003-new.md '# 003 New'
 must_report links docs/a.md '[c](missing.md)'
 must_report top_level src/a.txt 'x'
 if command -v clang-format >/dev/null; then

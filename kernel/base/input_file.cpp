@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "kernel/base/error.hpp"
 #include "kernel/base/file.hpp"
 
 namespace suture {
@@ -71,6 +72,21 @@ std::string InputFile::read_all() {
   std::string text(size_, '\0');
   text.resize(read(text));
   return text;
+}
+
+std::string InputFile::read_text() {
+  std::string text = read_all();
+  // UTF-16 begins with its mark, and every second byte of plain text is 0.
+  const bool is_utf16 = text.size() >= 4 && ((text.starts_with("\xff\xfe") && text[3] == 0) ||
+                                             (text.starts_with("\xfe\xff") && text[2] == 0));
+  if (is_utf16) throw InputError(path_.string() + ": the file is text in UTF-16; save it as UTF-8");
+  text.erase(0, byte_order_mark(text));
+  return text;
+}
+
+std::size_t byte_order_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xef\xbb\xbf";
+  return text.starts_with(mark) ? mark.size() : 0;
 }
 
 }  // namespace suture

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace suture {
 
@@ -29,6 +30,9 @@ class InputFile {
   std::size_t read(std::span<char> bytes);
   /// The rest of the file.
   std::string read_all();
+  /// The whole file as UTF-8 text, without a byte order mark at its start. Throws InputError for
+  /// text in UTF-16. Every text file is opened by this function.
+  std::string read_text();
 
  private:
   void refuse(int error);
@@ -40,5 +44,8 @@ class InputFile {
   std::uint64_t size_ = 0;
   int fd_ = -1;
 };
+
+/// The length of a UTF-8 byte order mark at the start of `text`: 3, or 0 without a mark.
+std::size_t byte_order_mark(std::string_view text);
 
 }  // namespace suture

@@ -24,7 +24,7 @@ std::string line_of(const Lines& json) { return json_text(json) + "\n"; }
 std::string file_text(const std::filesystem::path& path) {
   InputFile file(path);
   if (!file.problem().empty()) throw IoError(path.string() + ": " + file.problem());
-  return file.read_all();
+  return file.read_text();
 }
 
 std::string line_of(const RecordedInput& input) {

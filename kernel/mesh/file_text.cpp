@@ -31,7 +31,7 @@ std::string read_whole(const fs::path& path) {
   InputFile file(path);
   if (file.is_missing()) fail_missing(path);
   if (!file.problem().empty()) throw InputError(path.string() + ": " + file.problem());
-  std::string text = file.read_all();
+  std::string text = file.read_text();
   if (text.empty()) throw InputError(path.string() + ": the file is empty");
   return text;
 }

@@ -44,7 +44,7 @@ char separator_of(const std::string& header) {
 CsvTable::CsvTable(const std::filesystem::path& file) : file_(file.string()) {
   InputFile input(file);
   if (!input.problem().empty()) throw InputError(file_ + ": " + input.problem());
-  std::istringstream text(input.read_all());
+  std::istringstream text(input.read_text());
   char separator = 0;
   std::size_t number = 0;
   for (std::string line; std::getline(text, line);) {

@@ -135,7 +135,7 @@ void print_topology(Imported& imported, Console& console) {
 
 int surface_info(const MeshInfoCommand& command, Console& console) {
   const PolygonSoup soup = read_soup(command.file, command.scale.value_or(1));
-  const Closing closing = geometry_module().close(soup, false);
+  const Closing closing = closing_of(soup, false);
   console.print(soup.source + ": a surface of " + count(soup.points.size(), "point") + ", " +
                 count(closing.triangles, "triangle") + ", " +
                 count(closing.components, "component"));
@@ -166,7 +166,7 @@ int image_info(const MeshInfoCommand& command, Console& console) {
                 text_of(scaled(unit, image.origin)) + " m");
   const double voxel =
       unit * unit * unit * std::abs(dot(image.steps[0], cross(image.steps[1], image.steps[2])));
-  for (const auto& [label, number] : count_labels(image))
+  for (const auto& [label, number] : count_labels(image, console.diagnostics()))
     console.print("label " + std::to_string(label) + ": " + count(number, "voxel") + ", " +
                   number_text(voxel * double(number)) + " m^3");
   return 0;

@@ -25,6 +25,12 @@ struct Hole {
   Vec3 middle{};      ///< m, mean of its points
 };
 
+/// A polygon that cannot be divided into triangles, because it folds back onto itself.
+struct FoldedFace {
+  std::size_t corners = 0;  ///< 0: there is no such polygon
+  Vec3 middle{};            ///< m, mean of its corners
+};
+
 /// What was found and repaired while closing a surface.
 struct Closing {
   std::size_t triangles = 0, components = 0;
@@ -33,7 +39,8 @@ struct Closing {
   std::vector<Hole> holes;        ///< most edges first; with repair, those that stay open
   std::size_t holes_filled = 0;   ///< only with repair
   std::size_t crossings = 0;      ///< pairs of intersecting triangles
-  std::size_t faces_dropped = 0;  ///< degenerate or duplicate
+  std::size_t faces_dropped = 0;  ///< degenerate or duplicate, and walls between two solids
+  FoldedFace folded;              ///< with one, nothing else is known of the surface
   TriangleSurface surface;        ///< oriented outward; empty if not closed
 };
 
@@ -61,10 +68,9 @@ class TriangleTree {
 class GeometryModule {
  public:
   virtual ~GeometryModule() = default;
-  /// False if the text is not of the format.
-  virtual bool read_stl(std::string_view text, PolygonSoup& out) const = 0;
   virtual std::string write(SurfaceFormat format, const TriangleSurface& surface) const = 0;
-  /// Merges equal points, orients, triangulates; with `repair`, fills holes.
+  /// Merges equal points, orients, triangulates; with `repair`, fills holes. Where two closed
+  /// shells share a face, both copies of the face are dropped, so that the shells bound one body.
   virtual Closing close(const PolygonSoup& soup, bool repair) const = 0;
   /// For each cube, whether its centre lies inside (its winding number is not 0).
   virtual std::vector<std::uint8_t> fill(const TriangleSurface& surface,

@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cctype>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
-#include <cstring>
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/file.hpp"
@@ -68,82 +65,6 @@ void scale_points(PolygonSoup& soup, double scale) {
 
 std::string plural(std::size_t n, const std::string& one, const std::string& many) {
   return grouped(n) + " " + (n == 1 ? one : many);
-}
-
-constexpr std::size_t stl_header = 84, stl_triangle = 50;
-
-/// Gives equal places one number, in the order in which they come first.
-class PointNumbers {
- public:
-  PointNumbers(std::vector<Vec3>& points, std::size_t most)
-      : points_(points), slots_(std::bit_ceil(most + most / 4 + 1), none) {}
-
-  Index number(const std::array<float, 3>& place) {
-    const Vec3 point{place[0], place[1], place[2]};
-    if (!std::ranges::all_of(place, [](float x) { return std::isfinite(x); })) {
-      points_.push_back(point);  // its reader refuses it by its number
-      return static_cast<Index>(points_.size() - 1);
-    }
-    const std::size_t mask = slots_.size() - 1;
-    for (std::size_t slot = hash(place) & mask;; slot = (slot + 1) & mask) {
-      if (slots_[slot] == none) {
-        slots_[slot] = static_cast<Index>(points_.size());
-        points_.push_back(point);
-      }
-      if (points_[slots_[slot]] == point) return slots_[slot];
-    }
-  }
-
- private:
-  static std::size_t hash(const std::array<float, 3>& place) {
-    std::uint64_t mixed = 0;
-    for (const float x : place) {
-      mixed = (mixed ^ std::bit_cast<std::uint32_t>(x + 0.F)) * 0x9E3779B97F4A7C15u;  // -0 is 0
-      mixed ^= mixed >> 29;
-    }
-    return mixed;
-  }
-
-  std::vector<Vec3>& points_;
-  std::vector<Index> slots_;  ///< at most 4/5 are taken
-};
-
-/// A binary file without anything else in it: 80 bytes, a count n and n times a normal, three
-/// corners and 2 bytes. CGAL takes ten times as long. False for others.
-bool read_binary_stl(std::string_view text, PolygonSoup& soup) {
-  std::uint32_t n = 0;
-  if (text.size() < stl_header || text.starts_with("solid")) return false;
-  std::memcpy(&n, text.data() + stl_header - sizeof n, sizeof n);
-  if (n == 0 || text.size() != stl_header + stl_triangle * n) return false;
-  PolygonSoup read;
-  PointNumbers numbers(read.points, std::size_t{3} * n);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    std::array<std::array<float, 3>, 4> rows;  // the normal, then the corners
-    std::memcpy(rows.data(), text.data() + stl_header + stl_triangle * i, sizeof rows);
-    for (std::size_t corner = 1; corner < rows.size(); ++corner)
-      read.corners.push_back(numbers.number(rows[corner]));
-    read.offsets.push_back(3 * (i + 1));
-  }
-  soup = std::move(read);
-  return true;
-}
-
-// A binary file is 80 bytes, a count n, 50 bytes per triangle; CGAL takes it for text if it begins
-// with "solid", and for text too if it does not, where it fails.
-PolygonSoup read_stl(const FileText& file) {
-  PolygonSoup soup;
-  const std::string_view text = file.view();
-  if (read_binary_stl(text, soup) || geometry_module().read_stl(text, soup)) return soup;
-  if (text.starts_with("solid"))
-    throw InputError(
-        file.name() +
-        ": no triangles before 'endsolid': the file is truncated or has another format");
-  std::uint32_t n = 0;
-  if (text.size() >= 84) std::memcpy(&n, text.data() + 80, 4);
-  throw InputError(file.name() + ": " + grouped(text.size()) +
-                   " bytes are too few for a binary STL file with " + grouped(n) +
-                   " triangles, which needs " + grouped(84 + 50 * std::uint64_t{n}) +
-                   ": the file is truncated or has another format");
 }
 
 struct SurfaceReader {
@@ -207,6 +128,22 @@ void write_surface(const std::filesystem::path& path, const TriangleSurface& sur
   write_file(path, geometry_module().write(static_cast<SurfaceFormat>(format), surface));
 }
 
+namespace {}  // namespace
+
+Closing closing_of(const PolygonSoup& soup, bool repair) {
+  Closing closing = geometry_module().close(soup, repair);
+  const FoldedFace& folded = closing.folded;
+  if (folded.corners != 0) {
+    char text[160];
+    std::snprintf(text, sizeof text, "a face of %zu corners around [%.6g, %.6g, %.6g] m",
+                  folded.corners, folded.middle[0], folded.middle[1], folded.middle[2]);
+    throw InputError(soup.source + ": " + text +
+                     " folds back onto itself, so it cannot be divided into triangles; triangulate "
+                     "the surface in the program that wrote it");
+  }
+  return closing;
+}
+
 namespace {
 
 /// Closing more than these takes noticeable time.
@@ -238,7 +175,7 @@ std::shared_ptr<const SolidSurface> read_solid(
   const PolygonSoup soup = read_soup(path, scale);
   if (announce_long_work && soup.size() > many_faces) announce_long_work(soup.size());
   if (std::shared_ptr<const SolidSurface> solid = solid_if_sound(soup)) return solid;
-  Closing closing = geometry_module().close(soup, false);
+  Closing closing = closing_of(soup, false);
   if (!closing.surface.triangles.empty())
     return std::make_shared<const SolidSurface>(std::move(closing.surface));
   if (closing.crossings != 0)
@@ -265,7 +202,7 @@ TriangleSurface close_surface(const PolygonSoup& soup, bool repair, Diagnostics&
     diagnostics.note(soup.source + ": preparing " + grouped(soup.size()) +
                      " faces, which takes about " +
                      std::to_string(std::lround(std::ceil(5e-6 * double(soup.size())))) + " s");
-  Closing closing = geometry_module().close(soup, repair);
+  Closing closing = closing_of(soup, repair);
   const std::string border = plural(closing.border_edges, "edge has", "edges have");
   const std::string crossings =
       plural(closing.crossings, "pair of triangles", "pairs of triangles") + " intersect";

@@ -13,7 +13,7 @@ namespace suture {
 
 class SolidSurface;
 
-/// Reads the faces of an .obj, .off, .ply, .stl (using CGAL) or .vtp file; coordinates are in m
+/// Reads the faces of an .obj, .off, .ply, .stl or .vtp file; coordinates are in m
 /// after `scale`. Throws InputError for an unknown extension (names the nearest), a file that is
 /// missing, empty, damaged or without faces, and a coordinate that is not finite; names the line in
 /// text files.
@@ -26,6 +26,10 @@ TriangleSurface read_triangles(const std::filesystem::path& path, double scale =
 /// Writes .obj, .off, .ply (exact coordinates) or .stl (binary, single precision). The file appears
 /// complete or not at all. Throws UsageError for any other extension.
 void write_surface(const std::filesystem::path& path, const TriangleSurface& surface);
+
+/// GeometryModule::close() for a soup from a file. Throws InputError for a polygon that folds back
+/// onto itself.
+Closing closing_of(const PolygonSoup& soup, bool repair);
 
 /// Converts faces to triangles that bound a body: equal points are merged, faces are oriented
 /// outward, polygons are triangulated; duplicate and degenerate faces are dropped. Throws

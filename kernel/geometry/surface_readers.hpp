@@ -23,4 +23,9 @@ PolygonSoup read_off(const FileText& file);
 /// faces without corners.
 PolygonSoup read_ply(const FileText& file);
 
+/// Text or binary: a file with the length of a binary file is binary, whatever it begins with.
+/// Equal points get one number. Throws InputError for a file that is truncated (text without
+/// 'endsolid' counts as truncated), bytes behind the triangles, and decimal commas.
+PolygonSoup read_stl(const FileText& file);
+
 }  // namespace suture

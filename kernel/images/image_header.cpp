@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "kernel/base/input_file.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/images/header_readers.hpp"
 #include "kernel/images/voxel_stream.hpp"
@@ -101,8 +102,9 @@ ImageHeader read_image_header(const std::filesystem::path& path) {
   if (head.text.empty()) head.fail("the file is empty");
   const std::string name = lower_name(path);
   ImageHeader image = name.ends_with(".mha") || name.ends_with(".mhd") ? read_meta_header(head)
-                      : head.text.starts_with("NRRD")                  ? read_nrrd_header(head)
-                                                                       : read_nifti_header(head);
+                      : head.text.compare(byte_order_mark(head.text), 4, "NRRD") == 0
+                          ? read_nrrd_header(head)
+                          : read_nifti_header(head);
   image.source = path.string();
   check(head, image);
   return image;

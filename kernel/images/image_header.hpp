@@ -44,7 +44,8 @@ struct ImageHeader {
   std::uint64_t skipped = 0;
   /// Bytes before the packed data.
   std::uint64_t packed_from = 0;
-  bool is_at_end = false;  ///< the voxels are the last bytes of the file, instead of `skipped`
+  /// The voxels are the last bytes of the file, or of the inflated data, instead of `skipped`.
+  bool is_at_end = false;
 
   double voxels() const { return double(size[0]) * double(size[1]) * double(size[2]); }
   std::uint64_t bytes() const;  ///< of all voxels

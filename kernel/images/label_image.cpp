@@ -59,15 +59,26 @@ Decode decoder_of(VoxelType type) {
                    " that its header states; it is truncated or damaged");
 }
 
+/// The number of bytes of the inflated data.
+std::uint64_t inflated_size(const ImageHeader& image) {
+  VoxelStream stream(image.data);
+  stream.seek(image.packed_from);
+  stream.inflate();
+  return stream.skip(std::numeric_limits<std::uint64_t>::max());
+}
+
 void go_to_voxels(const ImageHeader& image, VoxelStream& stream) {
+  const std::uint64_t bytes = image.bytes();
   if (image.packing == ImageHeader::Packing::raw) {
-    const std::uint64_t bytes = image.bytes(), size = stream.file_size();
+    const std::uint64_t size = stream.file_size();
     if (bytes > size || (!image.is_at_end && image.skipped > size - bytes)) fail_truncated(image);
     return stream.seek(image.is_at_end ? size - bytes : image.skipped);
   }
+  const std::uint64_t size = image.is_at_end ? inflated_size(image) : image.skipped + bytes;
+  if (size < bytes) fail_truncated(image);
   stream.seek(image.packed_from);
   stream.inflate();
-  stream.skip(image.skipped);
+  stream.skip(size - bytes);
 }
 
 std::string place_text(const ImageHeader& image, std::uint64_t voxel) {
@@ -88,9 +99,10 @@ std::string place_text(const ImageHeader& image, std::uint64_t voxel) {
                    " different values; give the segmentation, not the scan");
 }
 
-/// Calls work(first voxel, label, count) for runs of equal labels, row by row.
+/// Calls work(first voxel, label, count) for runs of equal labels, row by row. Returns the number
+/// of bytes that follow the voxels.
 template <class Work>
-void for_each_run(const ImageHeader& image, Work&& work) {
+std::uint64_t for_each_run(const ImageHeader& image, Work&& work) {
   constexpr double largest = 9e15;  // whole numbers up to there are exact
   VoxelStream stream(image.data);
   go_to_voxels(image, stream);
@@ -112,6 +124,14 @@ void for_each_run(const ImageHeader& image, Work&& work) {
       work(first + i, static_cast<std::int64_t>(value), end - i);
     }
   }
+  return stream.skip(std::numeric_limits<std::uint64_t>::max());
+}
+
+void warn_of_surplus(const ImageHeader& image, std::uint64_t bytes, Diagnostics& diagnostics) {
+  if (bytes == 0) return;
+  diagnostics.warn(image.data.string() + ": " + grouped(bytes) + " bytes follow the " +
+                   size_text(image) + " that the header states and are not read; check the " +
+                   "sizes, the type and the number of skipped bytes in the header");
 }
 
 /// "1, 2, 7".
@@ -233,12 +253,14 @@ LabelImage read_labels(const std::filesystem::path& path, const LabelOptions& op
   image.region_of.resize(header.size[0] * header.size[1] * header.size[2]);
   Regions regions(options, image);
   std::map<std::int64_t, std::uint64_t> counts;
-  for_each_run(header, [&](std::uint64_t first, std::int64_t label, std::uint64_t count) {
-    counts[label] += count;
-    if (counts.size() > most_labels) fail_too_many(header);
-    if (const std::uint16_t region = regions.of(label); region != 0)
-      std::fill_n(image.region_of.begin() + static_cast<std::ptrdiff_t>(first), count, region);
-  });
+  const std::uint64_t surplus =
+      for_each_run(header, [&](std::uint64_t first, std::int64_t label, std::uint64_t count) {
+        counts[label] += count;
+        if (counts.size() > most_labels) fail_too_many(header);
+        if (const std::uint16_t region = regions.of(label); region != 0)
+          std::fill_n(image.region_of.begin() + static_cast<std::ptrdiff_t>(first), count, region);
+      });
+  warn_of_surplus(header, surplus, diagnostics);
   for (const auto& [label, name] : options.names)
     if (!counts.contains(label)) fail_unknown(header, label, counts);
   if (image.regions.empty()) throw InputError(header.source + ": all voxels are 0: no labels");
@@ -250,12 +272,15 @@ LabelImage read_labels(const std::filesystem::path& path, const LabelOptions& op
   return image;
 }
 
-std::map<std::int64_t, std::uint64_t> count_labels(const ImageHeader& image) {
+std::map<std::int64_t, std::uint64_t> count_labels(const ImageHeader& image,
+                                                   Diagnostics& diagnostics) {
   std::map<std::int64_t, std::uint64_t> counts;
-  for_each_run(image, [&](std::uint64_t, std::int64_t label, std::uint64_t count) {
-    counts[label] += count;
-    if (counts.size() > most_labels) fail_too_many(image);
-  });
+  const std::uint64_t surplus =
+      for_each_run(image, [&](std::uint64_t, std::int64_t label, std::uint64_t count) {
+        counts[label] += count;
+        if (counts.size() > most_labels) fail_too_many(image);
+      });
+  warn_of_surplus(image, surplus, diagnostics);
   return counts;
 }
 

@@ -44,12 +44,15 @@ struct LabelOptions {
 ///
 /// Throws InputError as read_image_header() does, for an image that needs more than the memory
 /// there is, a label with a name that no voxel has (gives the nearest one), voxels that are not
-/// whole numbers, and a file that is shorter than its header says. 5 ns per voxel.
+/// whole numbers, and a file that is shorter than its header says. Warns of bytes that follow the
+/// voxels. 5 ns per voxel.
 LabelImage read_labels(const std::filesystem::path& path, const LabelOptions& options,
                        Diagnostics& diagnostics);
 
-/// The number of voxels by label, 0 included. The same errors.
-std::map<std::int64_t, std::uint64_t> count_labels(const ImageHeader& image);
+/// The number of voxels by label, 0 included. Throws InputError for the same files as
+/// read_labels(), but for missing labels.
+std::map<std::int64_t, std::uint64_t> count_labels(const ImageHeader& image,
+                                                   Diagnostics& diagnostics);
 
 /// "120 x 120 x 80 voxels of int16".
 std::string size_text(const ImageHeader& image);

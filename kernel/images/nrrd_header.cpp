@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "kernel/images/text_header.hpp"
 #include "kernel/mesh/file_text.hpp"
@@ -51,30 +53,90 @@ const VoxelTypes nrrd_types{{"signed char", VoxelType::int8},
                             {"float", VoxelType::float32},
                             {"double", VoxelType::float64}};
 
-/// Axes of colours, vectors or time come first or last.
-void refuse_other_axes(const TextHeader& text, const std::vector<double>& lengths) {
-  const std::string kinds = lowered(text.find({"kinds"}).value_or(""));
-  if (lengths.size() == 4 && lengths[0] <= 4 &&
-      (kinds.starts_with("rgb") || kinds.starts_with("vector") || kinds.starts_with("list") ||
-       kinds.starts_with("3-color") || kinds.starts_with("4-color")))
-    fail_with_components(text.head(), lengths[0]);
+/// The axes of an image: how many voxels, and the step from one voxel to the next.
+struct Axis {
+  double length = 1;
+  std::optional<Vec3> direction;  ///< nothing: "none", or no directions are given
+  double spacing = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// The vectors of "space directions: none (1,0,0) (0,1,0) (0,0,1)", "none" as nothing.
+std::vector<std::optional<Vec3>> directions_of(const TextHeader& text, const std::string& value) {
+  std::vector<std::optional<Vec3>> directions;
+  for (std::size_t at = 0; (at = value.find_first_not_of(" \t,", at)) != value.npos;) {
+    const bool is_vector = value[at] == '(';
+    const std::size_t end =
+        std::min(is_vector ? value.find(')', at) : value.find_first_of(" \t(", at), value.size());
+    const std::string word = value.substr(at, end - at);
+    at = std::min(end + (is_vector ? 1 : 0), value.size());
+    if (!is_vector && lowered(word) != "none")
+      text.head().fail("'space directions' has " + in_quotes(word) +
+                       "; expected vectors in parentheses or 'none'");
+    if (!is_vector) {
+      directions.emplace_back();
+      continue;
+    }
+    const std::vector<double> numbers = text.numbers_of("space directions", word.substr(1));
+    if (numbers.size() != 3)
+      text.head().fail("'space directions' must have vectors of three numbers, has " +
+                       in_quotes(word + ")"));
+    directions.emplace_back(Vec3{numbers[0], numbers[1], numbers[2]});
+  }
+  return directions;
 }
 
-void place(const TextHeader& text, ImageHeader& image) {
-  if (const auto directions = text.find({"space directions"});
-      directions && directions->find("none") != directions->npos)
-    text.head().fail(
-        "'space directions' has an axis that is not of space; save one image of three "
-        "axes of space");
-  if (const auto steps = text.numbers({"space directions"})) {
-    if (steps->size() != 9)
-      text.head().fail("'space directions' must have three vectors of three numbers, has " +
-                       std::to_string(steps->size()) + " numbers");
-    for (std::size_t i = 0; i < 9; ++i) image.steps[i / 3][i % 3] = (*steps)[i];
+std::vector<Axis> axes_of(const TextHeader& text) {
+  const auto lengths = text.numbers({"sizes"});
+  if (!lengths) text.head().fail("the header has no 'sizes'");
+  std::vector<Axis> axes;
+  for (const double length : *lengths) axes.push_back({length, {}, {}});
+  const auto require_one_each = [&](const char* key, std::size_t count) {
+    if (count != axes.size())
+      text.head().fail(std::string("'") + key + "' must have one entry for each of the " +
+                       std::to_string(axes.size()) + " axes of 'sizes', has " +
+                       std::to_string(count));
+  };
+  if (const auto value = text.find({"space directions"})) {
+    const auto directions = directions_of(text, *value);
+    require_one_each("space directions", directions.size());
+    for (std::size_t a = 0; a < axes.size(); ++a) axes[a].direction = directions[a];
+  }
+  if (const auto spacings = text.numbers({"spacings"})) {
+    require_one_each("spacings", spacings->size());
+    for (std::size_t a = 0; a < axes.size(); ++a) axes[a].spacing = (*spacings)[a];
+  }
+  return axes;
+}
+
+/// Axes of colours, vectors or time come first or last. One of them with a single entry changes
+/// nothing and is left out, so that the axes of space remain.
+void drop_other_axes(const TextHeader& text, std::vector<Axis>& axes) {
+  const bool has_directions = text.find({"space directions"}).has_value();
+  const auto is_of_space = [&](const Axis& axis) {
+    return has_directions ? axis.direction.has_value() : std::isfinite(axis.spacing);
+  };
+  const std::string kinds = lowered(text.find({"kinds"}).value_or(""));
+  if (axes.size() == 4 && axes[0].length > 1 && axes[0].length <= 4 &&
+      (kinds.starts_with("rgb") || kinds.starts_with("vector") || kinds.starts_with("list") ||
+       kinds.starts_with("3-color") || kinds.starts_with("4-color")))
+    fail_with_components(text.head(), axes[0].length);
+  if (axes.size() > 3)
+    std::erase_if(axes, [&](const Axis& axis) { return axis.length == 1 && !is_of_space(axis); });
+}
+
+void place(const TextHeader& text, const std::vector<Axis>& axes, ImageHeader& image) {
+  if (text.find({"space directions"})) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (!axes[a].direction)
+        text.head().fail(
+            "'space directions' has an axis that is not of space; save one image of three "
+            "axes of space");
+      image.steps[a] = *axes[a].direction;
+    }
   } else {
-    const auto spacing = text.numbers({"spacings"});
-    if (!spacing) fail_without_spacing(text.head(), "space directions");
-    image.steps = straight_steps(text.head(), *spacing, "spacings");
+    if (!text.find({"spacings"})) fail_without_spacing(text.head(), "space directions");
+    image.steps = straight_steps(text.head(), {axes[0].spacing, axes[1].spacing, axes[2].spacing},
+                                 "spacings");
   }
   const auto origin = text.numbers({"space origin"});
   if (origin && origin->size() != 3)
@@ -116,12 +178,13 @@ void find_data(const TextHeader& text, ImageHeader& image) {
 ImageHeader read_nrrd_header(const FileHead& head) {
   const TextHeader text(head, ':', "");
   ImageHeader image;
-  const auto lengths = text.numbers({"sizes"});
-  if (!lengths) head.fail("the header has no 'sizes'");
-  refuse_other_axes(text, *lengths);
-  set_size(head, *lengths, image);
+  std::vector<Axis> axes = axes_of(text);
+  drop_other_axes(text, axes);
+  std::vector<double> lengths;
+  for (const Axis& axis : axes) lengths.push_back(axis.length);
+  set_size(head, lengths, image);
   image.type = text.type_named("type", nrrd_types);
-  place(text, image);
+  place(text, axes, image);
   image.unit = unit_of(text);
   if (bytes_of(image.type) > 1) image.is_big_endian = lowered(text.require("endian")) == "big";
   find_data(text, image);

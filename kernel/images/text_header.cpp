@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 
+#include "kernel/base/input_file.hpp"
 #include "kernel/mesh/file_text.hpp"
 
 namespace suture {
@@ -25,7 +26,7 @@ std::string lowered(std::string text) {
 }
 
 TextHeader::TextHeader(const FileHead& head, char separator, const std::string& last)
-    : head_(head) {
+    : head_(head), end_(byte_order_mark(head.text)) {
   const std::string_view text = head.text;
   while (end_ < text.size()) {
     const std::size_t stop = std::min(text.find('\n', end_), text.size());
@@ -33,7 +34,7 @@ TextHeader::TextHeader(const FileHead& head, char separator, const std::string& 
     end_ = std::min(stop + 1, text.size());
     if (line.empty() && last.empty()) return;
     const std::size_t at = line.find(separator);
-    if (at == line.npos) continue;
+    if (at == line.npos || line.front() == '#' || line.substr(at).starts_with(":=")) continue;
     const std::string key = lowered(trimmed(std::string_view(line).substr(0, at)));
     values_.emplace(key, trimmed(std::string_view(line).substr(at + 1)));
     if (key == last) return;
@@ -57,23 +58,27 @@ std::optional<std::vector<double>> TextHeader::numbers(
     std::initializer_list<const char*> keys) const {
   const auto found = find(keys);
   if (!found) return {};
-  std::string text = *found;
+  return numbers_of(*keys.begin(), *found);
+}
+
+std::vector<double> TextHeader::numbers_of(const char* key, std::string value) const {
+  const std::string shown = value;
   std::ranges::replace_if(
-      text, [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
+      value, [](char c) { return c == '(' || c == ')' || c == ','; }, ' ');
   std::vector<double> result;
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
+  const char* at = value.data();
+  const char* const end = value.data() + value.size();
   while (at != end) {
     if (static_cast<unsigned char>(*at) <= ' ') {
       ++at;
       continue;
     }
-    double value = 0;
-    const auto [stop, error] = std::from_chars(at, end, value);
+    double number = 0;
+    const auto [stop, error] = std::from_chars(at, end, number);
     if (error != std::errc{} || (stop != end && static_cast<unsigned char>(*stop) > ' '))
-      head_.fail(std::string("'") + *keys.begin() + "' of the header must be numbers, is " +
-                 in_quotes(*found));
-    result.push_back(value);
+      head_.fail(std::string("'") + key + "' of the header must be numbers, is " +
+                 in_quotes(shown));
+    result.push_back(number);
     at = stop;
   }
   return result;

@@ -13,8 +13,9 @@ using VoxelTypes = std::map<std::string, VoxelType>;
 /// The lines "key = value" of MetaImage or "key: value" of NRRD.
 class TextHeader {
  public:
-  /// Keys are compared without case. Lines without the separator are skipped. Ends after the line
-  /// with the key `last`, and at an empty line if `last` is "".
+  /// Keys are compared without case. Comments ("# ..."), key/value pairs of NRRD ("key:=value",
+  /// which state nothing about the image) and lines without the separator are skipped. The header
+  /// ends after the line with the key `last`, and at an empty line if `last` is "".
   TextHeader(const FileHead& head, char separator, const std::string& last);
 
   /// The value, without blanks around it, of the first of the keys that is present; else nothing.
@@ -22,6 +23,8 @@ class TextHeader {
   std::string require(const char* key) const;
   /// The numbers of a value, which may stand in parentheses; fails for other words.
   std::optional<std::vector<double>> numbers(std::initializer_list<const char*> keys) const;
+  /// The numbers of `value`, which is all or a part of what `key` states.
+  std::vector<double> numbers_of(const char* key, std::string value) const;
   VoxelType type_named(const char* key, const VoxelTypes& types) const;
   bool is_true(std::initializer_list<const char*> keys) const;
 

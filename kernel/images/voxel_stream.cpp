@@ -68,13 +68,16 @@ std::size_t VoxelStream::inflate_some(std::span<char> bytes) {
   return done;
 }
 
-void VoxelStream::skip(std::uint64_t bytes) {
+std::uint64_t VoxelStream::skip(std::uint64_t bytes) {
   std::vector<char> skipped(std::min<std::uint64_t>(bytes, std::uint64_t{1} << 16));
-  while (bytes > 0) {
-    const std::size_t step = std::min<std::uint64_t>(bytes, skipped.size());
-    if (read_some(std::span(skipped).first(step)) < step) return;
-    bytes -= step;
+  std::uint64_t done = 0;
+  while (done < bytes) {
+    const std::size_t step = std::min<std::uint64_t>(bytes - done, skipped.size());
+    const std::size_t read = read_some(std::span(skipped).first(step));
+    done += read;
+    if (read < step) break;
   }
+  return done;
 }
 
 }  // namespace suture

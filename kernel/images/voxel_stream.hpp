@@ -25,7 +25,8 @@ class VoxelStream {
   /// Reads up to the end of the data; returns the number of bytes. Throws InputError for damaged
   /// packed data.
   std::size_t read_some(std::span<char> bytes);
-  void skip(std::uint64_t bytes);
+  /// Skips up to the end of the data; returns the number of bytes.
+  std::uint64_t skip(std::uint64_t bytes);
 
  private:
   struct Inflater;

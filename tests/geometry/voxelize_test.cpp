@@ -242,5 +242,36 @@ TEST(CloseSurface, LeavesAHollowHollow) {
   EXPECT_EQ(voxels(closed, {.edge = 0.5}).hexahedra.size(), 512u - 64);
 }
 
+// Faces that fold back onto themselves: CGAL cannot divide them, and its borders have no end then.
+TEST(CloseSurface, RefusesFoldedFaces) {
+  const auto folded = [](std::vector<Vec3> points) {
+    PolygonSoup soup{"folded", std::move(points), {}, {0}};
+    for (Index i = 0; i < soup.points.size(); ++i) soup.corners.push_back(i);
+    soup.offsets.push_back(static_cast<Index>(soup.points.size()));
+    return soup;
+  };
+  Diagnostics diagnostics;
+  for (const PolygonSoup& soup :
+       {folded({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}, {1, 1, 0}}),
+        folded({{-1, 0, 1}, {1, 0, 1}, {1, 0, -1}, {-1, 0, -1}, {0, 1, -1}})})
+    for (const bool repair : {false, true}) {
+      const std::string text =
+          error_of<InputError>([&] { close_surface(soup, repair, diagnostics); });
+      EXPECT_NE(text.find("folded: a face of 5 corners around ["), std::string::npos) << text;
+      EXPECT_NE(text.find("folds back onto itself"), std::string::npos) << text;
+    }
+}
+
+// Two boxes, each closed, whose common wall is there once for each of them: one body of both.
+TEST(CloseSurface, JoinsShellsThatShareAWall) {
+  const TriangleSurface boxes =
+      joined(box_surface({0, 0, 0}, {1, 1, 1}), box_surface({1, 0, 0}, {2, 1, 1}));
+  Diagnostics diagnostics;
+  const TriangleSurface closed = close_surface(soup_of(boxes), false, diagnostics);
+  EXPECT_EQ(closed.triangles.size(), 20u);
+  EXPECT_EQ(closed.points.size(), 12u);
+  EXPECT_EQ(voxels(closed, {.edge = 0.25}).hexahedra.size(), 128u);
+}
+
 }  // namespace
 }  // namespace suture

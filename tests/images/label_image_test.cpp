@@ -58,6 +58,10 @@ std::string packed(const std::string& bytes, int window) {
   return result;
 }
 
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
 void expect_regions(const LabelImage& image) {
   ASSERT_EQ(image.size, grid);
   for (std::uint64_t k = 0; k < grid[2]; ++k)
@@ -109,6 +113,52 @@ TEST(LabelImage, ReadsVoxelsBesideTheHeader) {
       "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\nencoding: raw\nbyte "
       "skip: 4\ndata file: v.raw\n";
   expect_regions(read_labels(folder.write("v.nhdr", other), {.names = names}, diagnostics));
+}
+
+// "byte skip: -1": the voxels are the last bytes, of the inflated data too. Key/value pairs
+// ("a:=b") state nothing about the image, and an axis with one entry that is not of space is no
+// axis.
+TEST(LabelImage, ReadsWhatNrrdAllows) {
+  const LabelNames names{{1, "a"}, {2, "a"}, {3, "b"}};
+  const std::string bytes = voxels(grid, label_at), before(30, 'h');
+  const std::string spacings = "spacings: 1 1 1\n";
+  const std::string four_axes =
+      "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 1 4 3 2\nkinds: list domain domain domain\n"
+      "space directions: none (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n";
+  const std::pair<const char*, std::string> files[] = {
+      {"raw, at the end", nrrd(grid, spacings + "byte skip: -1\n", before + bytes)},
+      {"gzip, at the end",
+       nrrd(grid, spacings + "byte skip: -1\n", packed(before + bytes, 31), "gzip")},
+      {"gzip, skipped",
+       nrrd(grid, spacings + "byte skip: 30\n", packed(before + bytes, 31), "gzip")},
+      {"a key and a value", nrrd(grid, spacings + "byte skip:=-1\nsizes:=7\n", bytes)},
+      {"a comment", nrrd(grid, spacings + "# sizes: 7\n", bytes)},
+      {"byte order mark", "\xef\xbb\xbf" + nrrd(grid, spacings, bytes)},
+      {"a list of one", four_axes + bytes},
+      {"a spacing of none",
+       replaced(replaced(four_axes, "space directions: none (1,0,0) (0,1,0) (0,0,1)",
+                         "spacings: nan 1 1 1"),
+                "kinds", "labels") +
+           bytes}};
+  for (const auto& [name, text] : files) {
+    SCOPED_TRACE(name);
+    const Read read("a.nrrd", text, names);
+    expect_regions(read.image);
+    EXPECT_TRUE(read.diagnostics.warnings().empty());
+  }
+}
+
+TEST(LabelImage, WarnsOfBytesBehindTheVoxels) {
+  const std::string bytes = voxels(grid, label_at) + "more";
+  for (const auto& [name, text] :
+       {std::pair{"a.mha", meta(grid, spacing, bytes)},
+        std::pair{"a.nrrd", nrrd(grid, "spacings: 1 1 1\n", packed(bytes, 31), "gzip")}}) {
+    const Read read(name, text);
+    ASSERT_EQ(read.diagnostics.warnings().size(), 1u) << name;
+    EXPECT_NE(read.diagnostics.warnings()[0].find("4 bytes follow the 4 x 3 x 2 voxels of uint8"),
+              std::string::npos)
+        << read.diagnostics.warnings()[0];
+  }
 }
 
 TEST(LabelImage, LeavesOutLabelsWithoutNames) {

@@ -6,9 +6,6 @@ namespace {
 
 class CgalModule final : public GeometryModule {
  public:
-  bool read_stl(std::string_view text, PolygonSoup& out) const override {
-    return cgal::read_stl(text, out);
-  }
   std::string write(SurfaceFormat format, const TriangleSurface& surface) const override {
     return cgal::write(format, surface);
   }

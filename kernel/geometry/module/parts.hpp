@@ -8,7 +8,6 @@
 namespace suture::cgal {
 
 // surfaces.cpp
-bool read_stl(std::string_view text, PolygonSoup& out);
 std::string write(SurfaceFormat format, const TriangleSurface& surface);
 Closing close(const PolygonSoup& soup, bool repair);
 

@@ -38,19 +38,6 @@ namespace processing = CGAL::Polygon_mesh_processing;
 using Points = std::vector<Point>;
 using Polygons = std::vector<std::vector<std::size_t>>;
 
-// False if a corner is not a point.
-bool to_soup(const Points& points, const Polygons& polygons, PolygonSoup& out) {
-  for (const Point& p : points) out.points.push_back({p.x(), p.y(), p.z()});
-  for (const auto& polygon : polygons) {
-    for (const std::size_t corner : polygon) {
-      if (corner >= points.size()) return false;
-      out.corners.push_back(static_cast<Index>(corner));
-    }
-    out.offsets.push_back(static_cast<Index>(out.corners.size()));
-  }
-  return true;
-}
-
 void from_soup(const PolygonSoup& soup, Points& points, Polygons& polygons) {
   points.reserve(soup.points.size());
   for (const Vec3& p : soup.points) points.emplace_back(p[0], p[1], p[2]);
@@ -142,18 +129,6 @@ std::size_t count_crossings(const SurfaceMesh& mesh, const TriangleSurface& surf
 
 }  // namespace
 
-bool read_stl(std::string_view text, PolygonSoup& out) {
-  std::istringstream in{std::string(text)};
-  Points points;
-  Polygons polygons;
-  try {
-    if (!CGAL::IO::read_STL(in, points, polygons, CGAL::parameters::verbose(false))) return false;
-  } catch (const std::exception&) {  // bad_alloc or length_error of a damaged header
-    return false;
-  }
-  return to_soup(points, polygons, out);
-}
-
 std::string write(SurfaceFormat format, const TriangleSurface& surface) {
   Points points;
   for (const Vec3& p : surface.points) points.emplace_back(p[0], p[1], p[2]);
@@ -177,20 +152,65 @@ std::string write(SurfaceFormat format, const TriangleSurface& surface) {
   return std::move(out).str();
 }
 
-Closing close(const PolygonSoup& soup, bool repair) {
+namespace {
+
+/// Divides all faces into triangles, up to a face that folds back onto itself. CGAL leaves a mesh
+/// with such a face in a state in which walks along its borders never end.
+FoldedFace triangulate(SurfaceMesh& mesh) {
+  const std::vector<SurfaceMesh::Face_index> all(mesh.faces().begin(), mesh.faces().end());
+  for (const auto face : all) {
+    FoldedFace folded;
+    for (const auto v : CGAL::vertices_around_face(mesh.halfedge(face), mesh)) {
+      const Point& p = mesh.point(v);
+      for (int a = 0; a < 3; ++a) folded.middle[a] += p[a];
+      ++folded.corners;
+    }
+    if (folded.corners <= 3 || processing::triangulate_face(face, mesh)) continue;
+    for (double& x : folded.middle) x /= static_cast<double>(folded.corners);
+    return folded;
+  }
+  return {};
+}
+
+/// The faces of a soup that are kept where some are there twice.
+enum class Doubles { first, none };
+
+/// The faces of the soup as a mesh, oriented as far as they can be. The mesh is empty if no face
+/// has an area.
+SurfaceMesh mesh_of(const PolygonSoup& soup, Doubles doubles, Closing& result) {
   Points points;
   Polygons polygons;
   from_soup(soup, points, polygons);
-  Closing result;
   if (!is_sound(soup)) {
-    processing::repair_polygon_soup(points, polygons);
+    processing::repair_polygon_soup(
+        points, polygons, CGAL::parameters::erase_all_duplicates(doubles == Doubles::none));
     processing::orient_polygon_soup(points, polygons);
   }
   result.faces_dropped = soup.size() - std::min(soup.size(), polygons.size());
   SurfaceMesh mesh;
   processing::polygon_soup_to_polygon_mesh(points, polygons, mesh);
-  if (mesh.number_of_faces() == 0) return result;
-  processing::triangulate_faces(mesh);
+  result.folded = triangulate(mesh);
+  return mesh;
+}
+
+bool is_closed(const SurfaceMesh& mesh) {
+  return mesh.number_of_faces() != 0 && border_edges(mesh) == 0;
+}
+
+}  // namespace
+
+Closing close(const PolygonSoup& soup, bool repair) {
+  Closing result;
+  SurfaceMesh mesh = mesh_of(soup, Doubles::first, result);
+  if (result.folded.corners == 0 && result.faces_dropped != 0 && !is_closed(mesh)) {
+    Closing other;
+    SurfaceMesh without_doubles = mesh_of(soup, Doubles::none, other);
+    if (other.folded.corners == 0 && is_closed(without_doubles)) {
+      result = std::move(other);
+      mesh = std::move(without_doubles);
+    }
+  }
+  if (result.folded.corners != 0 || mesh.number_of_faces() == 0) return result;
   result.triangles = mesh.number_of_faces();
   result.components = count_components(mesh);
   result.border_edges = border_edges(mesh);

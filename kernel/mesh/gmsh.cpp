@@ -44,8 +44,8 @@ class GmshReader {
     } else if (name == "Entities" && format_ == 4) {
       start_data();
       read_gmsh4_entities(in_, entities_);
-    } else if (name == "Nodes") {
-      nodes();
+    } else if (name == "Nodes" || name == "ParametricNodes") {
+      nodes(name == "ParametricNodes");
     } else if (name == "Elements") {
       elements();
     } else if (name == "NodeData" || name == "ElementData" || name == "ElementNodeData") {
@@ -96,11 +96,12 @@ class GmshReader {
     }
   }
 
-  void nodes() {
+  // Format 2 has a section of its own for nodes with parametric coordinates (Mesh.SaveParametric).
+  void nodes(bool are_parametric) {
     if (!format_) fail("$Nodes appears before $MeshFormat");
     if (has_nodes_) fail("a second section $Nodes");
     has_nodes_ = true;
-    if (format_ == 2) return read_gmsh2_nodes(in_, file_, mesh_);
+    if (format_ == 2) return read_gmsh2_nodes(in_, are_parametric, mesh_);
     start_data();
     read_gmsh4_nodes(in_, file_, mesh_);
   }

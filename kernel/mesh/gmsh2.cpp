@@ -62,7 +62,9 @@ Block read_block_header(GmshScanner& in) {
 
 }  // namespace
 
-void read_gmsh2_nodes(GmshScanner& in, const FileText&, GmshMesh& mesh) {
+// A parametric node ends with the dimension and the tag of its entity, and with its coordinates on
+// a curve or a surface.
+void read_gmsh2_nodes(GmshScanner& in, bool are_parametric, GmshMesh& mesh) {
   const auto count = in.text.integer<std::uint64_t>("number of nodes");
   if (in.binary) in.end_of_line();
   in.require_room(count, 4, 4 + 24, "nodes");
@@ -73,6 +75,13 @@ void read_gmsh2_nodes(GmshScanner& in, const FileText&, GmshMesh& mesh) {
     Vec3 x;
     for (double& c : x) c = in.real("coordinate");
     mesh.add_point(static_cast<std::uint64_t>(tag), x);
+    if (!are_parametric) continue;
+    const int dimension = in.int32("dimension of the entity of a node");
+    if (dimension < 0 || dimension > 3)
+      in.fail("a node lies on an entity of dimension " + std::to_string(dimension));
+    in.int32("entity of a node");
+    const int parameters = dimension == 1 || dimension == 2 ? dimension : 0;
+    for (int p = 0; p < parameters; ++p) in.real("parametric coordinate of a node");
   }
   mesh.end_points();
 }

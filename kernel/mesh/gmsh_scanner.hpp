@@ -134,7 +134,7 @@ class GmshMesh {
 };
 
 /// The readers of formats 2 and 4.1 call these for the sections of a file.
-void read_gmsh2_nodes(GmshScanner& in, const FileText& file, GmshMesh& mesh);
+void read_gmsh2_nodes(GmshScanner& in, bool are_parametric, GmshMesh& mesh);
 void read_gmsh2_elements(GmshScanner& in, const FileText& file, GmshMesh& mesh);
 
 /// The same for a section $NodeData or $ElementData: its header, then its values.

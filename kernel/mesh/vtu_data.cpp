@@ -3,7 +3,8 @@
 // Layout: "VTK XML Formats" of the VTK wiki, and vtkXMLDataParser.cxx for what it
 // leaves open. An array is [bytes][data], or compressed
 // [blocks][block size][last block size][size of each compressed block ...][data];
-// as base64 the header of compressed data is encoded by itself.
+// as base64 the header of compressed data is encoded by itself. Some programs encode the header of
+// plain data by itself, too: the padding behind the header shows it.
 #include "kernel/mesh/vtu_data.hpp"
 
 #include <algorithm>
@@ -112,6 +113,11 @@ class Stream {
     if (bytes.size() < n) fail("an array is incomplete: the file is truncated or damaged");
     return bytes;
   }
+  // Whether a header of n bytes is encoded by itself, as base64 that ends with padding.
+  bool is_apart(std::uint64_t n) const {
+    const char* p = p_;
+    return base64_ && base64(p, end_, n + 3).size() == n && p[-1] == '=';
+  }
   // As take, without moving on.
   Bytes peek(std::uint64_t n) {
     const char* before = p_;
@@ -174,6 +180,10 @@ Announced compressed_header(Stream& stream) {
 }
 
 Bytes plain_bytes(Stream& stream, const Announced& said) {
+  if (stream.is_apart(stream.header_size())) {
+    stream.take(stream.header_size());
+    return stream.take(said.bytes);
+  }
   Bytes bytes = stream.take(stream.header_size() + said.bytes);
   bytes.erase(bytes.begin(), bytes.begin() + stream.header_size());
   return bytes;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <sstream>
 
 #include "kernel/base/error.hpp"
 #include "kernel/mesh/mesh_file.hpp"
@@ -46,6 +48,26 @@ TEST(Gmsh, ReadsEveryFormatTheSame) {
               format_2 ? (std::vector<std::uint64_t>{4, 6}) : (std::vector<std::uint64_t>{4, 5}));
     EXPECT_EQ(diagnostics.warnings().size(), 1u);
   }
+}
+
+// As Gmsh writes format 2 with Mesh.SaveParametric: behind each node the dimension and the tag of
+// its entity, and the coordinates on a curve or a surface.
+TEST(Gmsh, ReadsParametricNodesOfFormat2) {
+  std::string text = read_text(data("two_msh22.msh"));
+  const std::size_t begin = text.find("1 0 0 0\n"), end = text.find("$EndNodes");
+  std::istringstream lines(text.substr(begin, end - begin));
+  std::string nodes, line;
+  for (int n = 0; std::getline(lines, line); ++n)
+    nodes += line + std::array{" 0 1", " 1 2 0.5", " 2 3 0.25 0.75", " 3 1"}[n % 4] + "\n";
+  text.replace(begin, end - begin, nodes);
+  text = with_replaced(with_replaced(text, "$Nodes", "$ParametricNodes"), "$EndNodes",
+                       "$EndParametricNodes");
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  expect_two_hexahedra(read_mesh(folder.write("m.msh", text), 1, diagnostics));
+  EXPECT_NE(read_error("m.msh", with_replaced(text, "1 0 0 0 0 1", "1 0 0 0 4 1"))
+                .find("m.msh:13: a node lies on an entity of dimension 4"),
+            std::string::npos);
 }
 
 std::string gmsh_error_of(const std::string& text) { return read_error("m.msh", text); }

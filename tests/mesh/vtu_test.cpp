@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -89,6 +90,41 @@ TEST(Vtu, JoinsPieces) {
   ASSERT_EQ(mesh.point_ids.size(), 18u);
   EXPECT_EQ(mesh.point_ids[17], 5u);
   EXPECT_EQ(mesh.skipped_cells, (std::map<std::string, std::size_t>{{"tetrahedra", 2}}));
+}
+
+std::string base64(const std::string& bytes) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t b = 0; b < 3; ++b)
+      group = group << 8 | (i + b < bytes.size() ? static_cast<unsigned char>(bytes[i + b]) : 0);
+    for (std::size_t d = 0; d < 4; ++d)
+      text += i + d > bytes.size() ? '=' : digits[group >> (18 - 6 * d) & 63];
+  }
+  return text;
+}
+
+// The header of plain data is encoded with the data or by itself, of four bytes or of eight.
+TEST(Vtu, ReadsHeadersThatAreEncodedApart) {
+  const std::array<double, 2> values{1e5, 2e5};
+  std::string data(sizeof values, '\0');
+  std::memcpy(data.data(), values.data(), data.size());
+  for (const std::size_t word : {4, 8})
+    for (const bool is_apart : {false, true}) {
+      std::string header(word, '\0');
+      header[0] = static_cast<char>(data.size());
+      const std::string encoded = is_apart ? base64(header) + base64(data) : base64(header + data);
+      std::string text = replaced("format=\"ascii\">1e5 2e5", "format=\"binary\">" + encoded);
+      if (word == 8)
+        text = with_replaced(text, "byte_order=", "header_type=\"UInt64\" byte_order=");
+      const TemporaryFolder folder;
+      Diagnostics diagnostics;
+      const auto arrays = read_mesh(folder.write("m.vtu", text), 1, diagnostics, all_arrays).arrays;
+      ASSERT_EQ(arrays.size(), 2u);
+      ASSERT_FALSE(arrays[1].values.empty()) << arrays[1].unreadable;
+      EXPECT_EQ(arrays[1].values[0], 1e5) << word << is_apart;
+    }
 }
 
 TEST(Vtu, SaysWhatIsWrongAndInWhichLine) {

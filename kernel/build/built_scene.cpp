@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <sstream>
 #include <utility>
 
 #include "kernel/attributes/lips.hpp"
+#include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/heap.hpp"
 #include "kernel/base/sort_unique.hpp"
@@ -18,6 +20,7 @@
 #include "kernel/build/check_obstacles.hpp"
 #include "kernel/build/check_parts.hpp"
 #include "kernel/build/check_selections.hpp"
+#include "kernel/build/model_regions.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/multiplier_forces.hpp"
 #include "kernel/contact/penalty_forces.hpp"
@@ -27,6 +30,8 @@
 #include "kernel/forces/pressures.hpp"
 #include "kernel/geometry/centroid.hpp"
 #include "kernel/geometry/surface_file.hpp"
+#include "kernel/mesh/coincident_points.hpp"
+#include "kernel/mesh/file_text.hpp"
 #include "kernel/mesh/mesh_file.hpp"
 #include "kernel/mesh/own_origin.hpp"
 #include "kernel/parts/align_axes.hpp"
@@ -95,6 +100,10 @@ std::shared_ptr<const Mesh> read_mesh_of(const Scene& scene, Diagnostics& diagno
 Mesh load_mesh(const Scene& scene, Diagnostics& diagnostics) {
   const MeshSource& source = scene.mesh;
   Mesh mesh = make_mesh(source, arrays_of(scene), diagnostics);
+  if (source.merge > 0)
+    if (const std::size_t merged = merge_points(mesh, source.merge); merged > 0)
+      diagnostics.note(mesh.source + ": merged " + grouped(merged) +
+                       (merged == 1 ? " node" : " nodes") + " with another one in the same place");
   if (source.drop_bad_elements)
     drop_bad_elements(mesh, source.import.allow_inverted_rest, diagnostics);
   return mesh;
@@ -108,6 +117,39 @@ BodyFrame frame_of(const Mesh& mesh) {
 }
 
 namespace {
+
+/// Nodes of different islands in one place look like one body, but nothing holds them together.
+void warn_of_unjoined_nodes(const Scene& scene, Body& body, Diagnostics& diagnostics) {
+  const CellComplex& complex = body.complex();
+  Index islands = 0;
+  const std::vector<Index> island_of = complex.islands(&islands);
+  if (islands < 2 || scene.contact.pieces) return;
+  const Column& rest = body.attributes().rest();
+  std::vector<Vec3> places;
+  std::vector<Index> island(rest.size(), none);
+  Box box = no_box;
+  for (Index v = 0; v < rest.size(); ++v) {
+    places.push_back({rest.get(v, 0), rest.get(v, 1), rest.get(v, 2)});
+    include(box, places.back());
+  }
+  for (Index e = 0; e < complex.element_count(); ++e)
+    if (complex.exists(3, e))
+      for (const Index v : complex.vertices_of(e)) island[v] = island_of[e];
+  const double size = std::max({box.length(0), box.length(1), box.length(2)});
+  const std::vector<Index> first = first_in_place(places, 1e-9 * size);
+  std::size_t pairs = 0;
+  const std::vector<Index>& point = body.user_vertex();  // the import may split one
+  for (Index v = 0; v < first.size(); ++v)
+    pairs += island[v] != island[first[v]] && point[v] != point[first[v]] ? 1 : 0;
+  if (pairs == 0) return;
+  char tolerance[32];
+  std::snprintf(tolerance, sizeof tolerance, "%.1g", 1e-6 * size);
+  diagnostics.warn(
+      "the mesh consists of " + grouped(islands) + " islands with " + grouped(pairs) +
+      (pairs == 1 ? " pair" : " pairs") +
+      " of nodes in one place, which nothing holds together; give \"merge\": " + tolerance +
+      " in /mesh to join them, or \"pieces\": true in /contact to let " + "them touch");
+}
 
 bool stops_on_inversion(const Scene& scene, const ModelUse& use) {
   for (const OnInversion choice : {use.on_inversion, scene.solver.on_inversion})
@@ -133,6 +175,8 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   check_parts(scene_, parts());
   if (scene_.divides_elements()) let_parts_grow();
   if (is_embedded()) body_.add_follower(parts_);
+  if (!scene_.mesh.file.empty() && !scene_.mesh.filled)
+    warn_of_unjoined_nodes(scene_, body_, diagnostics);
   check_selections(scene_, selector_);
   name_elements();
   add_models(diagnostics);
@@ -194,16 +238,14 @@ void BuiltScene::add_models(Diagnostics& diagnostics) {
     complex.require_faces();
   }
   std::vector<std::vector<GivenColumn>> given = read_values();
+  std::vector<std::vector<Index>> regions =
+      model_regions(scene_, selector_, body_.attributes().rest_places(complex));
   for (std::size_t i = 0; i < scene_.models.size(); ++i) {
     const ModelUse& use = scene_.models[i];
     auto instance = std::make_unique<Instance>(*use.model, use.name, use.parameters, diagnostics,
                                                skips_, std::move(given[i]));
-    std::vector<Index> region;
-    if (use.between)
-      region = add_lips(*instance, use);
-    else if (!std::holds_alternative<Selection::All>(use.region.what))
-      region = selector_.elements(use.region);
-    body_.attributes().add(std::move(instance), complex, std::move(region));
+    if (use.between) regions[i] = add_lips(*instance, use);
+    body_.attributes().add(std::move(instance), complex, std::move(regions[i]));
   }
   body_.compile(diagnostics, scene_.solver.threads);
 }

@@ -63,8 +63,10 @@ Index BuiltScene::grasp(const Grasp& grasp, double time, const std::string& path
     throw InputError(path + "/name: '" + grasp.held.name +
                      "' holds nodes already; release it first, or choose another name");
   const std::vector<Index> vertices = graspable(grasp, time);
-  const bool any_free = std::ranges::any_of(
-      vertices, [&](Index v) { return body_.attributes().fixed().get(v, 0) != 7; });
+  const bool any_free = std::ranges::any_of(vertices, [&](Index v) {
+    const int held = static_cast<int>(body_.attributes().fixed().get(v, 0));
+    return (grasp.held.components & ~held) != 0;
+  });
   if (!any_free)
     throw InputError(path + (grasp.obstacle ? "/obstacle: " : "/where: ") +
                      (!vertices.empty() ? "reaches only nodes that constraints hold already"
@@ -85,8 +87,8 @@ Index BuiltScene::grasp(const Grasp& grasp, double time, const std::string& path
   if (motion.moves()) motion.reach = shortest_edge(vertices) / 10;
   Index held = 0;
   dynamics_->constrain([&] {
-    held =
-        body_.constraints().grasp(vertices, motion, body_.attributes(), grasp.held.name, carrier);
+    held = body_.constraints().grasp(vertices, grasp.held.components, motion, body_.attributes(),
+                                     grasp.held.name, carrier);
     return std::vector<Index>();
   });
   return held;

@@ -61,12 +61,12 @@ class Constraints {
   void add(std::span<const Index> vertices, std::uint8_t components, const PrescribedMotion& motion,
            Attributes& attributes, std::string name = {});
 
-  /// Holds vertices from where they are, x = c + R(X - c) + translation with X their places now,
-  /// or where the carrier is given those that it carries;
-  /// components that are held already keep their motion. Returns the number of vertices that it
-  /// holds.
-  Index grasp(std::span<const Index> vertices, const PrescribedMotion& motion,
-              Attributes& attributes, const std::string& name, const Carrier& carrier = {});
+  /// Holds `components` of vertices from where they are, x = c + R(X - c) + translation with X
+  /// their places now, or their places relative to the carrier. Components that are held already
+  /// keep their motion. Returns the number of vertices that it holds.
+  Index grasp(std::span<const Index> vertices, std::uint8_t components,
+              const PrescribedMotion& motion, Attributes& attributes, const std::string& name,
+              const Carrier& carrier = {});
   /// What an obstacle carries moves by this from now on.
   void redirect(std::size_t obstacle, const PrescribedMotion& motion, Attributes& attributes);
   /// What a grasp holds moves by this from now on, from where it is now.

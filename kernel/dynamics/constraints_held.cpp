@@ -10,16 +10,17 @@
 
 namespace suture {
 
-Index Constraints::grasp(std::span<const Index> vertices, const PrescribedMotion& motion,
-                         Attributes& attributes, const std::string& name, const Carrier& carrier) {
+Index Constraints::grasp(std::span<const Index> vertices, std::uint8_t components,
+                         const PrescribedMotion& motion, Attributes& attributes,
+                         const std::string& name, const Carrier& carrier) {
   std::array<std::vector<Index>, 8> free;  // by free components
   for (const Index v : vertices)
-    free[7 & ~static_cast<unsigned>(attributes.fixed().get(v, 0))].push_back(v);
+    free[components & ~static_cast<unsigned>(attributes.fixed().get(v, 0))].push_back(v);
   Index count = 0;
-  for (std::uint8_t components = 1; components < 8; ++components) {
-    if (free[components].empty()) continue;
-    Group& group = groups_.emplace_back(Group{
-        name, carrier.obstacle, true, motion, components, std::move(free[components]), {}, {}, 0});
+  for (std::uint8_t taken = 1; taken < 8; ++taken) {
+    if (free[taken].empty()) continue;
+    Group& group = groups_.emplace_back(
+        Group{name, carrier.obstacle, true, motion, taken, std::move(free[taken]), {}, {}, 0});
     std::ranges::sort(group.vertices);
     count += static_cast<Index>(group.vertices.size());
     read_rest(group, attributes.position());
@@ -27,7 +28,7 @@ Index Constraints::grasp(std::span<const Index> vertices, const PrescribedMotion
       for (Vec3& place : group.rest) place = carrier.pose.given(place);
     find_path_length(group);
     for (const Index v : group.vertices)
-      attributes.fixed().set(v, 0, static_cast<int>(attributes.fixed().get(v, 0)) | components);
+      attributes.fixed().set(v, 0, static_cast<int>(attributes.fixed().get(v, 0)) | taken);
   }
   regather(attributes, {});
   return count;

@@ -14,7 +14,7 @@ namespace suture {
 struct Constraint {
   std::string name{};  ///< by which an event releases it; may be empty
   Selection where;
-  std::uint8_t components = 7;  ///< bits x 1, y 2, z 4
+  std::uint8_t components = 7;  ///< bits x 1, y 2, z 4; the body finds the others
   // Prescribed motion: zero for a fixed set. x = c + R(angle) (X - c) + translation.
   Vec3 translation{};  ///< m, at the end of the ramp
   Vec3 axis{}, centre{};

@@ -20,31 +20,14 @@ TimeRamp optional_ramp(ObjectReader& object) {
   return ramp ? read_ramp(*ramp, object.path_of("ramp"), object.mistakes()) : TimeRamp{};
 }
 
-// "xz" -> bits 1 and 4.
-std::uint8_t read_components(ObjectReader& object) {
-  const std::string text = object.string("fix").value_or("xyz");
-  std::uint8_t bits = 0;
-  for (const char c : text) {
-    const std::size_t axis = std::string_view("xyz").find(c);
-    const bool good = axis != std::string_view::npos && (bits >> axis & 1) == 0;
-    if (!good) bits = 0;
-    if (!good) break;
-    bits = static_cast<std::uint8_t>(bits | 1u << axis);
-  }
-  if (bits == 0) {
-    object.complain("fix",
-                    "must name the fixed components, each once: \"xyz\", \"xy\", \"z\", ...; is " +
-                        quote(text));
-  }
-  return bits;
-}
-
 void read_constraint(ObjectReader& object, Reading& reading) {
   Constraint constraint;
   constraint.name = read_name(object);
   static const std::array<std::string, 2> kinds{"fix", "move"};
   const auto kind = object.one_of(kinds);
-  if (kind == 0u) constraint.components = read_components(object);
+  if (kind == 0u) constraint.components = read_components(object, "fix");
+  if (kind == 0u && object.find("components") != nullptr)
+    object.complain("components", "is only allowed with 'move': 'fix' names its components itself");
   if (kind == 1u) read_motion(object, reading, constraint);
   constraint.where = require_where(object, "the constrained nodes");
   reading.scene.constraints.push_back(std::move(constraint));
@@ -73,6 +56,22 @@ void read_load(ObjectReader& object, Reading& reading) {
 }
 
 }  // namespace
+
+std::uint8_t read_components(ObjectReader& object, const char* key) {
+  const std::string text = object.string(key).value_or("xyz");
+  std::uint8_t bits = 0;
+  for (const char c : text) {
+    const std::size_t axis = std::string_view("xyz").find(c);
+    const bool good = axis != std::string_view::npos && (bits >> axis & 1) == 0;
+    if (!good) bits = 0;
+    if (!good) break;
+    bits = static_cast<std::uint8_t>(bits | 1u << axis);
+  }
+  if (bits == 0)
+    object.complain(
+        key, "must name components, each once: \"xyz\", \"xy\", \"z\", ...; is " + quote(text));
+  return bits;
+}
 
 TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
   TimeRamp ramp;

@@ -26,6 +26,9 @@ void read_obstacle(ObjectReader& grasp, const std::vector<Obstacle>& obstacles, 
   result.reach = grasp.number("reach", Limits::positive("m"));
   if (grasp.find("move") != nullptr)
     grasp.complain("move", "is not allowed here: what an obstacle holds moves with it; remove it");
+  if (grasp.find("components") != nullptr)
+    grasp.complain("components",
+                   "is not allowed here: an obstacle holds all components; remove it");
 }
 
 }  // namespace
@@ -47,10 +50,12 @@ Grasp read_grasp(ObjectReader grasp, Reading& reading) {
     result.held.where =
         read_selection(*grasp.find("where"), grasp.path_of("where"), grasp.mistakes());
   if (kind == 1u) read_obstacle(grasp, reading.scene.contact.obstacles, result);
-  if (grasp.find("move") != nullptr)
+  if (grasp.find("move") != nullptr) {
     read_motion(grasp, reading, result.held);
-  else if (grasp.find("ramp") != nullptr)
-    grasp.complain("ramp", "is only allowed with 'move'");
+  } else {
+    result.held.components = read_components(grasp, "components");
+    if (grasp.find("ramp") != nullptr) grasp.complain("ramp", "is only allowed with 'move'");
+  }
   grasp.finish();
   return result;
 }

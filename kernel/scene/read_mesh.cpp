@@ -198,6 +198,9 @@ void read_mesh(const JsonValue& value, Reading& reading) {
         "is only allowed where a body is filled: with 'surface', or with 'file' and 'cells'");
   if (kind != "file") refuse_keys(mesh, {"labels"}, "is only allowed with 'file', an image");
   result.scale = mesh.number("scale", Limits::positive("1"));
+  result.merge = mesh.number("merge", Limits::positive("m")).value_or(0);
+  if (mesh.find("merge") != nullptr && (kind != "file" || result.filled))
+    mesh.complain("merge", "is only allowed with 'file', a mesh of hexahedra");
   static const std::array<std::string, 2> treatments{"split", "refuse"};
   if (mesh.choice("pinched", treatments) == 1u) {
     result.import.non_manifold = ImportOptions::NonManifold::refuse;

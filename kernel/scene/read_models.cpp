@@ -113,6 +113,21 @@ void read_region(ObjectReader& object, ModelUse& use, Mistakes& mistakes) {
     object.complain("region", "is not allowed for a model that acts between two regions");
 }
 
+/// What the model does where earlier models are.
+void read_overlap(ObjectReader& object, ModelUse& use, const Scene& scene) {
+  use.adds = object.boolean("adds").value_or(false);
+  if (object.find("over") == nullptr) return;
+  std::vector<std::string> earlier;
+  for (const ModelUse& other : scene.models)
+    if (!other.between) earlier.push_back(other.name);
+  if (earlier.empty())
+    object.complain("over", "names no earlier model: this is the first one");
+  else if (const auto place = object.choice("over", earlier))
+    use.over = earlier[*place];
+  if (use.adds) object.complain("adds", "contradicts 'over'; give one of them");
+  if (use.between) object.complain("over", "is not allowed for a model between two regions");
+}
+
 void read_model(ObjectReader& object, Reading& reading) {
   ModelUse use;
   use.path = object.path();
@@ -121,6 +136,7 @@ void read_model(ObjectReader& object, Reading& reading) {
   if (id) use.model = look_up(object, *id, reading);
   use.name = read_name(object, id.value_or(""), reading.scene);
   read_region(object, use, reading.mistakes);
+  read_overlap(object, use, reading.scene);
   use.on_inversion = read_on_inversion(object);
 
   const JsonValue* parameters = object.find("parameters");

@@ -240,6 +240,29 @@ void read_ramped(ObjectReader& object, ObjectReader& move, Constraint& constrain
   }
 }
 
+/// Whether the motion changes a component: along the axis, or by a turn about another axis.
+bool changes(const Constraint& constraint, std::size_t component) {
+  bool shifts = constraint.translation[component] != 0, turns = constraint.angle != 0;
+  for (const MotionPath::Station& station : constraint.path.stations) {
+    shifts = shifts || station.place[component] != 0;
+    turns = turns || station.place[3] != 0;
+  }
+  const Vec3& axis = constraint.axis;
+  const bool is_across = axis[(component + 1) % 3] != 0 || axis[(component + 2) % 3] != 0;
+  return shifts || (turns && is_across);
+}
+
+/// The components that follow the motion; the body finds the others.
+void read_moved_components(ObjectReader& object, Constraint& constraint) {
+  constraint.components = read_components(object, "components");
+  if (constraint.components == 0) return;  // which has been reported
+  for (std::size_t c = 0; c < 3; ++c)
+    if (!(constraint.components >> c & 1) && changes(constraint, c))
+      object.complain("components", std::string("leaves ") + "xyz"[c] +
+                                        " free, but the motion changes it; add it, or change the "
+                                        "motion");
+}
+
 }  // namespace
 
 RigidPath::Station read_pose(ObjectReader& object, const RigidPath::Station* previous) {
@@ -263,6 +286,7 @@ void read_motion(ObjectReader& object, Reading& reading, Constraint& constraint)
   else
     read_ramped(object, move, constraint);
   move.finish();
+  read_moved_components(object, constraint);
 }
 
 }  // namespace suture::scene_parts

@@ -51,6 +51,7 @@ struct MeshSource {
   /// Factor of the coordinates in a file; without it, 1, or what an image states.
   std::optional<double> scale;
   bool drop_bad_elements = false;
+  double merge = 0;  ///< m: points of a file that are so near to each other become one; 0: none do
   ImportOptions import;
 };
 
@@ -65,6 +66,8 @@ struct ModelUse {
   Selection region;
   /// In place of a region, if the model acts on lips.
   std::optional<std::array<Selection, 2>> between{};
+  std::string over{};  ///< an earlier model, which this one replaces where both are; or none
+  bool adds = false;   ///< its mass and forces add to those of earlier models
   OnInversion on_inversion = OnInversion::by_model;  ///< takes precedence over the solver's
   std::string path;
 };

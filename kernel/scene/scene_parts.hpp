@@ -78,7 +78,10 @@ void read_changes(ObjectReader& object, const suture_model& model, std::vector<d
 /// A station {"at", "translation", "angle"} of a path, which must be later than `previous`, unless
 /// that is null.
 RigidPath::Station read_pose(ObjectReader& object, const RigidPath::Station* previous);
-/// The key "move" of a constraint, and its "ramp".
+/// A key that names components: "xz" gives the bits 1 and 4, no key gives all three.
+std::uint8_t read_components(ObjectReader& object, const char* key);
+
+/// The key "move" of a constraint, its "ramp" and its "components".
 void read_motion(ObjectReader& object, Reading& reading, Constraint& constraint);
 void read_gravity(ObjectReader& top, Reading& reading);
 void read_constraints(ObjectReader& top, Reading& reading);

@@ -51,6 +51,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   if (!top.is_object()) return;
   read_version(top, reading.scene);
   reading.scene.title = top.string("title").value_or("");
+  top.string("$schema");  // for editors
   const char* source = "where the elements come from";
   const JsonValue* mesh = reading.scene.mesh.given ? top.find("mesh") : top.require("mesh", source);
   if (mesh != nullptr) read_mesh(*mesh, reading);
@@ -74,7 +75,7 @@ std::string read_text(const std::filesystem::path& file) {
   if (!input.problem().empty())
     throw IoError("the scene " + quote(file.string()) + ' ' + input.problem() +
                   (input.is_folder() ? "; give the scene file in it" : ""));
-  return input.read_all();
+  return input.read_text();
 }
 
 void drop(JsonValue& object, std::string_view key) {
@@ -91,6 +92,7 @@ void drop(JsonValue& object, std::string_view member, std::string_view key) {
 
 /// Without what changes no result: where it runs, where it writes, and when it is saved.
 JsonValue what_counts(JsonValue root) {
+  drop(root, "$schema");
   drop(root, "checkpoint");
   drop(root, "solver", "threads");
   drop(root, "output", "directory");

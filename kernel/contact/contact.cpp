@@ -19,8 +19,8 @@ constexpr int max_edge_sweeps = 64;
 constexpr double pushed = 0.5;
 // How far outside an obstacle the side of a vertex that touches it is marked, in elements.
 constexpr double marked_outside = 1e-6;
-// Vertices of which the box is tested first, before each of them.
-constexpr std::size_t box_size = 32;
+// Of points whose box is tested first, before each of them; in elements.
+constexpr double cell_of_clusters = 3;
 // How much faster points may approach that are in no pair: they are 0.1 of an edge away from all
 // triangles (PointPairs), and those of pairs approach by 0.05 in a step.
 constexpr double far_over_near = 2;
@@ -73,7 +73,8 @@ Contact::Contact(const CellComplex& complex, Attributes& attributes,
     has_solids_ = has_solids_ || !std::holds_alternative<HalfSpace>(obstacle.shape);
   }
   if (points_.are_embedded())
-    point_pushes_ = std::make_unique<PointPushes>(attributes, step_, shortest_edge_, mean_edge_);
+    point_pushes_ = std::make_unique<PointPushes>(points_.embedded(), attributes, obstacles_, step_,
+                                                  shortest_edge_);
   else
     vertex_pushes_ = std::make_unique<VertexPushes>(attributes, step_, shortest_edge_);
 }
@@ -140,6 +141,7 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   }
   push(step.dt);
   if (has_tools_) settle_tools(step);
+  if (point_pushes_) point_pushes_->keep_forces();
   book(step);
   if (points_.are_embedded() || edges_)
     for (const Near& near : step_.near) step_.near_of_vertex[near.vertex] = none;
@@ -162,23 +164,23 @@ double Contact::find_closing_speed() {
                   diagonal_of(box_around(points.velocities(), points.numbers())) / far_over_near);
 }
 
-/// By boxes of vertices or points first.
+/// By boxes around vertices first.
 void Contact::find_near_obstacles(const ContactStep& step) {
   step_.clear();
-  if (point_pushes_) point_pushes_->clear();
+  if (point_pushes_) point_pushes_->begin(step);
   const double reach = pushed * mean_edge_;
   const double margin = pieces_ || pairs_ || has_tools_ ? reach : 0;  // others push it, too
-  points_.gather();
-  const std::span<const Index> all = points_.ascending_numbers();
-  const double* x = points_.positions();
-  const double* velocity = points_.velocities();
+  if (pairs_) points_.gather();
+  points_.find_clusters(cell_of_clusters * mean_edge_);
+  const double* positions = attributes_.position().rows();
+  const double* velocities = attributes_.velocity().rows();
   std::vector<Index>& near_obstacles = step_.near_obstacles;
-  for (std::size_t first = 0; first < all.size(); first += box_size) {
-    const auto numbers = all.subspan(first, std::min(box_size, all.size() - first));
-    const Box box = box_around(x, numbers);
+  for (std::size_t c = 0; c < points_.cluster_count(); ++c) {
+    const auto [numbers, vertices] = points_.cluster(c);
+    const Box box = box_around(positions, vertices);
     const Vec3 half = scaled(0.5, minus(box.high, box.low)), middle = plus(box.low, half);
     const double radius = norm(half);
-    const double way = has_solids_ ? step.dt * fastest(velocity, numbers) : 0;
+    const double way = has_solids_ ? step.dt * fastest(velocities, vertices) : 0;
     near_obstacles.clear();
     for (Index i = 0; i < step_.placed.size(); ++i) {
       const PlacedObstacle& placed = step_.placed[i];
@@ -187,35 +189,36 @@ void Contact::find_near_obstacles(const ContactStep& step) {
         near_obstacles.push_back(i);
     }
     if (near_obstacles.empty()) continue;
-    for (const Index number : numbers) {
-      const Vec3 place = row(x, number),
-                 start = minus(place, scaled(step.dt, row(velocity, number)));
-      const auto may_meet = [&](double within) {
-        return [&, within](Index i) { return step_.placed[i].may_meet(start, place, within); };
-      };
-      if (std::ranges::none_of(near_obstacles, may_meet(margin))) continue;
-      const ContactPoint point = points_[number];
-      if (!is_free(point)) continue;
-      add_near(point);
-      Pushed& added = step_.pushed.emplace_back(number, step_.pushes.size());
-      for (const Index i : near_obstacles)
-        if (may_meet(reach)(i)) step_.pushes.emplace_back(number, i);
-      added.count = step_.pushes.size() - added.first;
-    }
+    if (!pairs_) points_.gather(numbers);
+    for (const Index number : numbers) add_if_near(number, step, margin, reach);
   }
+}
+
+/// What obstacles of near_obstacles may touch, or others push into them.
+void Contact::add_if_near(Index number, const ContactStep& step, double margin, double reach) {
+  const Vec3 place = row(points_.positions(), number),
+             start = minus(place, scaled(step.dt, row(points_.velocities(), number)));
+  const auto may_meet = [&](Index i, double within) {
+    return step_.placed[i].may_meet(start, place, within);
+  };
+  if (std::ranges::none_of(step_.near_obstacles, [&](Index i) { return may_meet(i, margin); }))
+    return;
+  const ContactPoint point = points_[number];
+  if (!is_free(point)) return;
+  if (point_pushes_)
+    point_pushes_->add(point);
+  else
+    step_.add_near(attributes_, number);
+  Pushed& added = step_.pushed.emplace_back(number, step_.pushes.size());
+  for (const Index i : step_.near_obstacles)
+    if (may_meet(i, reach)) step_.pushes.emplace_back(number, i);
+  added.count = step_.pushes.size() - added.first;
 }
 
 bool Contact::is_free(const ContactPoint& point) const {
   return std::ranges::any_of(point.vertices, [&](Index v) {
     return (*step_.moving)[v] && attributes_.fixed().rows()[v] != all_held;
   });
-}
-
-void Contact::add_near(const ContactPoint& point) {
-  if (point_pushes_)
-    point_pushes_->add(point);
-  else
-    step_.add_near(attributes_, point.number);
 }
 
 /// Obstacles have the last word: nothing is left inside them.
@@ -240,7 +243,7 @@ void Contact::book(const ContactStep& step) {
     books.vertex(step_.near[i], point_pushes_ ? std::span<PushBy>() : step_.pushes_on(i),
                  corrections_);
   for (std::size_t i = 0; point_pushes_ && i < step_.pushed.size(); ++i)
-    books.point(point_pushes_->mass(i), step_.pushes_on(i));
+    books.point(point_pushes_->point(i), point_pushes_->mass(i), step_.pushes_on(i));
   if (pairs_) {
     book_pairs(books);
     note_pairs(step);
@@ -255,8 +258,9 @@ void Contact::book_pairs(ContactBooks& books) {
   const std::span<const Vec3> tangential = point_pushes_->friction_of_pairs();
   for (std::size_t i = 0; i < tangential.size(); ++i) {
     if (tangential[i] == Vec3{}) continue;
-    const PointMass& of = point_pushes_->mass(point_pushes_->place_of_pair(i));
-    books.friction(of.impulse(tangential[i]), books.mean_velocity(of.point()));
+    const std::size_t at = point_pushes_->place_of_pair(i);
+    books.friction(point_pushes_->impulse(at, tangential[i]),
+                   books.mean_velocity(point_pushes_->point(at)));
   }
 }
 
@@ -269,10 +273,9 @@ void Contact::note_pairs(const ContactStep& step) {
   const auto first_vertex = [&](Index point) { return points[point].vertices[0]; };
   for (std::size_t i = 0; i < pairs_->size(); ++i) {
     const std::size_t at = point_pushes_->place_of_pair(i);
-    const PointMass& of = point_pushes_->mass(at);
-    const ContactPoint& point = of.point();
+    const ContactPoint point = point_pushes_->point(at);
     const Vec3& normal = pairs_->normal(i);
-    double impulse = dot(normal, of.impulse(step_.pushed[at].change));
+    double impulse = dot(normal, point_pushes_->impulse(at, step_.pushed[at].change));
     if (impulse != 0)
       kept_.pair_presses.push_back({first_vertex(pairs_->point(i)),
                                     first_vertex(points.triangles()[pairs_->triangle(i)][0])});
@@ -280,7 +283,7 @@ void Contact::note_pairs(const ContactStep& step) {
     const double gap = dot(normal, point.sum(attributes_.position().rows())),
                  speed = dot(normal, point.sum(attributes_.velocity().rows())),
                  closing = std::max(0.0, -std::max(gap, 0.0) / step.dt - speed);
-    impulse += dot(normal, of.impulse(scaled(closing, normal)));
+    impulse += dot(normal, point_pushes_->impulse(at, scaled(closing, normal)));
     for (std::size_t j = 0; j < point.vertices.size() && impulse != 0; ++j)
       if (const Index v = point.vertices[j]; !(*step.moving)[v])
         kept_.pushed_sleepers.push_back({v, std::abs(point.weights[j]) * impulse /
@@ -349,6 +352,7 @@ void Contact::record(std::span<const Force> forces, double time, double heat) {
 
 void Contact::restart() {
   kept_.last_dt = 0;
+  if (point_pushes_) point_pushes_->forget_forces();
   results_.touches.clear();
   kept_.obstacle_forces.clear();
   std::ranges::fill(results_.loads, Load{});
@@ -372,6 +376,7 @@ void Contact::follow(const CellComplex& complex, const TopologyChange& change) {
   else
     kept_.sides.follow(complex, change);
   if (pairs_) pairs_->follow();
+  if (point_pushes_) point_pushes_->follow();
   if (pieces_) pieces_->follow(change);
   if (edges_) edges_->follow(change);
   const auto is_gone = [&](const auto& known) { return !complex.exists(0, known.vertex); };
@@ -404,6 +409,7 @@ void Contact::state(Archive& archive) {
     archive("last dt", kept_.last_dt);
   }
   archive("closing speed", kept_.closing_speed);
+  if (point_pushes_) archive("pushes of points", *point_pushes_);
 }
 
 }  // namespace suture

@@ -175,7 +175,7 @@ class Contact final : public ContactLaw {
   using Pushed = ContactInProgress::Pushed;
   using PushBy = ContactInProgress::PushBy;
   void find_near_obstacles(const ContactStep& step);
-  void add_near(const ContactPoint& point);
+  void add_if_near(Index number, const ContactStep& step, double margin, double reach);
   bool is_free(const ContactPoint& point) const;
   void find_at_edges();
   void push(double dt);

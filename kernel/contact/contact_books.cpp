@@ -63,12 +63,16 @@ void ContactBooks::add_force(const ContactPoint& point, Index obstacle, const Ve
     kept_.obstacle_forces.push_back({point.vertices[j], obstacle, scaled(point.weights[j], force)});
 }
 
-void ContactBooks::point(const PointMass& of, std::span<const ContactInProgress::PushBy> pushes) {
+void ContactBooks::point(const ContactPoint& point, const Vec3& mass,
+                         std::span<const ContactInProgress::PushBy> pushes) {
+  const auto impulse = [&](const Vec3& change) {
+    return Vec3{mass[0] * change[0], mass[1] * change[1], mass[2] * change[2]};
+  };
   for (const auto& [number, obstacle, push] : pushes) {
     if (push.normal == Vec3{}) continue;
-    friction(of.impulse(push.tangential), minus(mean_velocity(of.point()), push.obstacle_velocity));
-    add_force(of.point(), obstacle,
-              scaled(1 / step_.whole_gain, of.impulse(plus(push.normal, push.tangential))));
+    friction(impulse(push.tangential), minus(mean_velocity(point), push.obstacle_velocity));
+    add_force(point, obstacle,
+              scaled(1 / step_.whole_gain, impulse(plus(push.normal, push.tangential))));
   }
 }
 

@@ -29,7 +29,9 @@ class ContactBooks {
   void vertex(ContactInProgress::Near& near, std::span<const ContactInProgress::PushBy> pushes,
               std::vector<ContactLaw::Correction>& corrections);
   // After all vertices, in the work booked for them: the parts of friction and cutting.
-  void point(const PointMass& of, std::span<const ContactInProgress::PushBy> pushes);
+  /// `mass`: by component, kg.
+  void point(const ContactPoint& point, const Vec3& mass,
+             std::span<const ContactInProgress::PushBy> pushes);
   /// Of an impulse that slides by a mean velocity.
   void friction(const Vec3& impulse, const Vec3& sliding);
   void cutting(const ContactPoint& point, Index obstacle, const Vec3& impulse,

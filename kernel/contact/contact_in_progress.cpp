@@ -6,8 +6,6 @@ namespace {
 
 // Between two obstacles that a vertex touches at once.
 constexpr int max_sweeps = 16;
-// How far a vertex is pushed out of an obstacle in a step, in elements.
-constexpr double max_push = 0.01;
 
 }  // namespace
 

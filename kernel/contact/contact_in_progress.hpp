@@ -12,6 +12,9 @@ namespace suture {
 
 /// A push by less is rounding, and no reason for another sweep; in elements.
 inline constexpr double least_push = 1e-9;
+/// How far a point is pushed out of an obstacle in a step if it began inside;
+/// in elements.
+inline constexpr double max_push = 0.01;
 
 /// What is known of contact in the step in progress, and of no other: what the step may push, and
 /// what obstacles have done to it.

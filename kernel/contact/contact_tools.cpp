@@ -45,6 +45,7 @@ void Contact::release(const ContactStep& step) {
     if (edges_) step_.near_of_vertex[near.vertex] = none;  // pieces find theirs again
   }
   for (Pushed& pushed : step_.pushed) pushed.change = {};
+  if (point_pushes_) point_pushes_->release();
   if (pieces_) vertex_pushes_->find_touching(step);
   if (!edges_) return;
   find_at_edges();
@@ -61,7 +62,7 @@ void Contact::for_each_pushed_by(std::size_t obstacle, Visit visit) const {
 }
 
 Vec3 Contact::mass_of(std::size_t i) const {
-  if (point_pushes_) return point_pushes_->mass(i).mass();
+  if (point_pushes_) return point_pushes_->mass(i);
   const double mass = attributes_.mass().rows()[step_.pushed[i].vertex];
   return {mass, mass, mass};
 }

@@ -91,6 +91,18 @@ class PlacedObstacle {
   /// (`fastest` m per step), or pushing out would act like an explosion.
   double push(VertexPath& path, double fastest, Push& push) const;
 
+  /// Whether it pushes in the same direction and moves with the same velocity
+  /// everywhere.
+  bool is_plane() const { return is_half_space_ && start_.turn == end_.turn; }
+  /// Of such an obstacle; m/s.
+  const Vec3& normal() const { return normal_; }
+  Vec3 velocity(double dt) const { return scaled(1 / dt, displacement(end_.place({}))); }
+  /// The way along the normal by which the end of a path misses the target of
+  /// push(), m.
+  double lacking(const VertexPath& path, double fastest) const {
+    return target(path, fastest) - gap(path.end).distance;
+  }
+
   /// In the step, of that point of the obstacle which is there at the end.
   Vec3 displacement(const Vec3& place_at_end) const {
     return stands_ ? Vec3{} : minus(place_at_end, start_.place(end_.given(place_at_end)));

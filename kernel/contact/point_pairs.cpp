@@ -207,20 +207,27 @@ void PointPairs::add(Index point, double weight) {
   }
 }
 
+double PointPairs::lacking(std::size_t i, const Vec3& offset, const Vec3& velocity,
+                           double dt) const {
+  const auto& [first, end, point, triangle, normal, lever] = pairs_[i];
+  const double gap = dot(normal, offset), before = gap - dt * dot(normal, velocity);
+  const double target =
+      before < 0 ? before + std::min(-recovered * before, max_recovery * lever * edge_) : 0;
+  return target - gap;
+}
+
 PointPairs::Change PointPairs::change(std::size_t i, const Vec3& offset, const Vec3& velocity,
                                       unsigned fixed, double dt) const {
   const auto& [first, end, point, triangle, normal, lever] = pairs_[i];
-  const double gap = dot(normal, offset), speed = dot(normal, velocity), before = gap - dt * speed;
-  const double target =
-      before < 0 ? before + std::min(-recovered * before, max_recovery * lever * edge_) : 0;
-  if (gap >= target) return {};
+  const double speed = dot(normal, velocity), way = lacking(i, offset, velocity, dt);
+  if (!(way > 0)) return {};
   const auto free_part = [&](Vec3 a) {
     for (std::size_t c = 0; c < 3; ++c)
       if ((fixed >> c & 1) != 0) a[c] = 0;
     return a;
   };
   const Vec3 along = free_part(normal);
-  const double free = dot(along, along), missing = (target - gap) / dt;
+  const double free = dot(along, along), missing = way / dt;
   if (free < least_free) return {};
   const Vec3 sliding = free_part(minus(velocity, scaled(speed, normal)));
   const double size = norm(sliding), most = options_.friction * missing;

@@ -69,6 +69,9 @@ class PointPairs {
   const Vec3& normal(std::size_t i) const { return pairs_[i].normal; }
   double friction() const { return options_.friction; }
 
+  /// The way by which the offset of pair i at the end of a step misses its
+  /// target, m.
+  double lacking(std::size_t i, const Vec3& offset, const Vec3& velocity, double dt) const;
   /// Changes of a relative velocity, m/s.
   struct Change {
     Vec3 normal{}, tangential{};

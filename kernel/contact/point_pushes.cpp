@@ -1,30 +1,53 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A sweep skips points that others have not moved since they were pushed: most of those near a
-// wall.
 #include "kernel/contact/point_pushes.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <tuple>
 
 #include "kernel/topology/disjoint_sets.hpp"
 
 namespace suture {
 namespace {
 
-constexpr int most_pushes = 64;
-// Where points touch triangles, sweeps end at this error of a gap, in edges, or at this part of the
-// change in the first sweep, if that is less: a pile comes to rest only if both are small.
-constexpr double precision_of_pairs = 1e-4, lag_of_pairs = 0.1;
+constexpr int least_sweeps = 3, most_sweeps = 64, plain_sweeps = 8;
+// Sweeps end where one changes the impulses by less than this part of their norm by the energy, and
+// no point by more than this, in edges.
+constexpr double part_of_impulse = 1e-2, largest_miss = 1e-4;
+// In edges: what the first sweep changes at most if the forces of the last step hold, and where
+// sweeps end if it changes more.
+constexpr double sudden = 1e-3, miss_if_sudden = 1e-6;
+// Where points touch triangles, sweeps end at this part of the first change, if that is less: a
+// pile comes to rest only so.
+constexpr double lag_of_pairs = 0.1;
 
 }  // namespace
 
-void PointPushes::clear() {
-  masses_.clear();
-  near_of_points_.clear();
-  first_near_.assign(1, 0);
+void PointPushes::begin(const ContactStep& step) {
+  sweeps_.clear(attributes_.vertex_count());
+  step_.near_of_vertex.resize(attributes_.vertex_count(), none);
+  gain_ = step.whole_gain;
+  is_again_ = false;
+  plane_velocities_.clear();
+  for (const PlacedObstacle& placed : step_.placed)
+    plane_velocities_.push_back(placed.is_plane() ? placed.velocity(step.dt) : Vec3{});
+  first_pair_ = std::size_t(-1);
 }
 
-/// After the points near obstacles.
+void PointPushes::add(const ContactPoint& point) {
+  const double* masses = attributes_.mass().rows();
+  for (const Index v : point.vertices) {
+    Index& place = step_.near_of_vertex[v];
+    if (place != none) continue;
+    place = static_cast<Index>(step_.near.size());
+    step_.add_near(attributes_, v);
+    const bool moves = (*step_.moving)[v];
+    sweeps_.add_vertex(v, masses[v],
+                       moves ? static_cast<unsigned>(attributes_.fixed().rows()[v]) : all_held);
+  }
+  sweeps_.add(point, masses);
+}
+
 void PointPushes::find_pairs() {
   first_pair_ = step_.pushed.size();
   pairs_->find(step_.moving);
@@ -35,148 +58,238 @@ void PointPushes::find_pairs() {
   }
 }
 
-void PointPushes::add(const ContactPoint& point) {
-  masses_.emplace_back(point, attributes_, step_.moving);
-  step_.near_of_vertex.resize(attributes_.vertex_count(), none);
-  for (const Index v : point.vertices) {
-    Index& place = step_.near_of_vertex[v];
-    if (place == none) {
-      place = static_cast<Index>(step_.near.size());
-      step_.add_near(attributes_, v);
-    }
-    near_of_points_.push_back(place);
-  }
-  first_near_.push_back(near_of_points_.size());
+// --------------------------------------------------------------------- groups --
+
+unsigned PointPushes::rank(std::size_t i) const {
+  const PointSweeps::Contact& contact = sweeps_.contacts[i];
+  if (is_pair(i)) return contact.is_plane ? 0 : 3;
+  return contact.is_plane ? 1 : 2;
 }
 
 /// Points that share no vertex, directly or through others, do not push each other: each group has
 /// sweeps of its own.
-void PointPushes::push(double dt) {
-  directions_.assign(step_.pushed.size(), {});
-  residuals_.assign(step_.pushed.size(), {});
-  seen_.assign(step_.pushed.size(), -1);
-  ways_.assign(step_.near.size(), 0);
-  group_points();
-  for (auto first = grouped_.begin(); first != grouped_.end();) {
-    const auto last = std::find_if(
-        first, grouped_.end(), [&](const Grouped& point) { return point.group != first->group; });
-    push_group({first, last}, dt);
-    first = last;
-  }
-}
-
 void PointPushes::group_points() {
+  std::vector<Kind> now;
+  const std::size_t count = step_.pushed.size();
+  for (std::size_t i = 0; i < count; ++i) now.push_back({step_.pushed[i].vertex, rank(i)});
+  const bool has_pairs = first_pair_ < count;
+  if (!has_pairs && !now.empty() && now == grouped_) return;
+  grouped_ = has_pairs ? std::vector<Kind>{} : now;
+
   DisjointSets sets(step_.near.size());
-  const auto first_near = [&](std::size_t i) { return near_of_point(i).front(); };
-  for (std::size_t i = 0; i < step_.pushed.size(); ++i)
-    for (const Index near : near_of_point(i).subspan(1)) sets.unite(first_near(i), near);
-  std::vector<std::size_t> first(step_.near.size() + 1, 0);  // of each group, in grouped_
-  for (std::size_t i = 0; i < step_.pushed.size(); ++i) ++first[sets.find(first_near(i)) + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  grouped_.resize(step_.pushed.size());
-  const std::size_t pairs = pairs_ ? pairs_->size() : 0;
-  for (std::size_t k = 0; k < step_.pushed.size(); ++k) {
-    const std::size_t i = k < pairs ? first_pair_ + k : k - pairs;
-    const std::size_t group = sets.find(first_near(i));
-    grouped_[first[group]++] = {group, i};
+  const auto near_of = [&](Index v) { return std::size_t{step_.near_of_vertex[v]}; };
+  const auto first_near = [&](std::size_t i) { return near_of(sweeps_.contacts[i].vertices[0]); };
+  for (std::size_t i = 0; i < count; ++i)
+    for (const Index v : point(i).vertices.subspan(1)) sets.unite(first_near(i), near_of(v));
+  std::vector<std::tuple<std::size_t, unsigned, std::uint32_t>> sorted;
+  for (std::size_t i = 0; i < count; ++i)
+    sorted.push_back({sets.find(first_near(i)), now[i].rank, static_cast<std::uint32_t>(i)});
+  std::ranges::sort(sorted);
+  std::vector<std::pair<std::size_t, Index>> vertices;
+  for (std::size_t i = 0; i < step_.near.size(); ++i)
+    vertices.push_back({sets.find(i), step_.near[i].vertex});
+  std::ranges::sort(vertices);
+
+  order_.clear();
+  of_groups_.clear();
+  groups_.clear();
+  for (const auto& [set, vertex] : vertices) of_groups_.push_back(vertex);
+  auto vertex = vertices.begin();
+  for (std::size_t k = 0; k < sorted.size();) {
+    Group& group = groups_.emplace_back();
+    const std::size_t set = std::get<0>(sorted[k]);
+    group.first = k;
+    const auto pass = [&](unsigned rank) {
+      for (; k < sorted.size() && std::get<0>(sorted[k]) == set && std::get<1>(sorted[k]) <= rank;
+           ++k)
+        order_.push_back(std::get<2>(sorted[k]));
+      return k;
+    };
+    group.planes = pass(0);
+    group.others = pass(1);
+    group.other_pairs = pass(2);
+    group.end = pass(3);
+    while (vertex->first != set) ++vertex;  // of what only edges of blades reach
+    group.first_vertex = std::size_t(vertex - vertices.begin());
+    while (vertex != vertices.end() && vertex->first == set) ++vertex;
+    group.end_of_vertices = std::size_t(vertex - vertices.begin());
   }
 }
 
-/// Pairs come first in a group. Their sweeps end sooner; what obstacles push is then swept without
-/// them, so that nothing is left inside.
-void PointPushes::push_group(std::span<const Grouped> group, double dt) {
-  const auto first_pair = pairs_ ? first_pair_ : step_.pushed.size();
-  const auto alone =
-      std::ranges::find_if(group, [&](const Grouped& point) { return point.place < first_pair; });
-  const bool has_pairs = alone != group.begin();
-  sweep_group(group, has_pairs, dt);
-  if (has_pairs) sweep_group({alone, group.end()}, false, dt);
+// --------------------------------------------------------------------- sweeps --
+
+/// Pairs come first in a group. What obstacles push is then swept without them, so that nothing is
+/// left inside.
+void PointPushes::push(double dt) {
+  for (std::size_t i = 0; i < step_.pushed.size(); ++i) fill(i, dt);
+  group_points();
+  for (const Group& group : groups_) {
+    if (!is_again_)
+      for (const std::uint32_t i : order(group.first, group.end)) begin_warm(i);
+    sweep_group(group, true, dt);
+    if (has_pairs(group)) sweep_group(group, false, dt);
+  }
+  finish(dt);
+  is_again_ = true;
 }
 
-/// By sweeps of Gauss and Seidel, after each of which the pushes go on in the direction of the last
-/// ones, as conjugate gradients do (Silcowitz, Niebe and Erleben, Vis. Comput. 26 (2010) 893). The
-/// last sweep has the last word: each push obeys the law of contact.
-void PointPushes::sweep_group(std::span<const Grouped> group, bool has_pairs, double dt) {
-  double last = 0, precision = least_push * edge_;
-  for (int sweep = 0; sweep < most_pushes; ++sweep) {
-    const auto [largest, size] = sweep_points(group, dt);
-    if (sweep == 0 && has_pairs)
-      precision = std::max(precision,
-                           std::min(precision_of_pairs * mean_edge_, lag_of_pairs * dt * largest));
-    if (dt * largest <= precision || sweep + 1 == most_pushes) break;
-    const double factor = sweep == 0 || size > last ? 0 : size / last;
-    last = size;
-    for (const auto [of, i] : group) {
-      const Vec3 more = scaled(factor, directions_[i]);
-      directions_[i] = plus(more, residuals_[i]);
-      if (more == Vec3{}) continue;
-      change_point(i, more, dt);
-      step_.pushed[i].change = plus(step_.pushed[i].change, more);
+/// What is known of a contact before the sweeps.
+void PointPushes::fill(std::size_t i, double dt) {
+  PointSweeps::Contact& contact = sweeps_.contacts[i];
+  const ContactInProgress::Pushed& pushed = step_.pushed[i];
+  const ContactInProgress::PushBy* by =
+      !is_pair(i) && pushed.count == 1 ? &step_.pushes[pushed.first] : nullptr;
+  contact.is_plane =
+      contact.fixed == 0 && (is_pair(i) || (by && step_.placed[by->obstacle].is_plane()));
+  contact.pressed = contact.sliding = 0;
+  if (!contact.is_plane) return;
+  const bool is_known = by && !is_again_;
+  const ContactPoint at = point(i);
+  const Vec3 end =
+      is_known ? row(points_.positions(), pushed.vertex) : at.sum(attributes_.position().rows());
+  const Vec3 velocity =
+      is_known ? row(points_.velocities(), pushed.vertex) : at.sum(attributes_.velocity().rows());
+  if (!by) {
+    contact.normal = PointSweeps::row_of(pairs_->normal(i - first_pair_));
+    contact.lacking = pairs_->lacking(i - first_pair_, end, velocity, dt) / dt;
+    contact.friction = pairs_->friction();
+    contact.velocity = PointSweeps::row_of(velocity);
+  } else {
+    const PlacedObstacle& placed = step_.placed[by->obstacle];
+    contact.normal = PointSweeps::row_of(placed.normal());
+    contact.lacking =
+        placed.lacking({minus(end, scaled(dt, velocity)), end, {}, 0, dt}, max_push * edge_) / dt;
+    contact.friction = obstacles_[by->obstacle].friction;
+    contact.velocity = PointSweeps::row_of(minus(velocity, plane_velocities_[by->obstacle]));
+  }
+}
+
+/// With the force of the last step, as far as the law of contact allows it.
+void PointPushes::begin_warm(std::size_t i) {
+  PointSweeps::Contact& contact = sweeps_.contacts[i];
+  const Vec3& force =
+      is_pair(i) ? last_.of_pair(pairs_->point(i - first_pair_), pairs_->triangle(i - first_pair_))
+                 : last_.on_point(step_.pushed[i].vertex);
+  if (force == Vec3{}) return;
+  Vec3 change;
+  for (std::size_t c = 0; c < 3; ++c) change[c] = gain_ * force[c] / contact.mass[c];
+  if (contact.is_plane) {
+    const Vec3 n = PointSweeps::vec_of(contact.normal);
+    const double normal = dot(change, n), most = contact.friction * normal;
+    if (!(normal > 0)) return;
+    const Vec3 along = minus(change, scaled(normal, n));
+    const double size = norm(along);
+    change = plus(scaled(normal, n), scaled(size > most ? most / size : 1, along));
+  }
+  sweeps_.add_change(contact, change);
+}
+
+void PointPushes::sweep_group(const Group& group, bool with_pairs, double dt) {
+  const auto planes = order(with_pairs ? group.first : group.planes, group.others),
+             others = order(group.others, with_pairs ? group.end : group.other_pairs),
+             all = order(with_pairs ? group.first : group.planes,
+                         with_pairs ? group.end : group.other_pairs);
+  const auto vertices =
+      std::span(of_groups_).subspan(group.first_vertex, group.end_of_vertices - group.first_vertex);
+  const bool have_pairs = with_pairs && has_pairs(group);
+  double last = 0, precision = largest_miss * edge_, part = have_pairs ? 1 : part_of_impulse;
+  for (int number = 0; number < most_sweeps; ++number) {
+    if (number == plain_sweeps) sweeps_.begin_directions(all, vertices);
+    if (number >= plain_sweeps) sweeps_.keep(all, vertices);
+    const PointSweeps::Changes changes = sweep(planes, others, dt);
+    const double largest = dt * std::sqrt(changes.largest);
+    if (number == 0 && have_pairs) {
+      precision = std::clamp(lag_of_pairs * largest, least_push * edge_, precision);
+    } else if (number == 0 && largest > sudden * edge_) {
+      precision = miss_if_sudden * edge_;
+      part = 1;
     }
+    if (largest == 0 || number + 1 == most_sweeps) break;
+    if ((have_pairs || number + 1 >= least_sweeps) && largest <= precision &&
+        changes.energy <= part * part * changes.all)
+      break;
+    if (number < plain_sweeps) continue;
+    sweeps_.go_on(last == 0 || changes.energy > last ? 0 : changes.energy / last, all, vertices);
+    last = changes.energy;
   }
 }
 
-/// Returns the largest change of a velocity, m/s, and twice the kinetic energy of all changes, J.
-/// Points are skipped that others have not moved.
-std::array<double, 2> PointPushes::sweep_points(std::span<const Grouped> group, double dt) {
-  double largest = 0, size = 0;
-  for (const auto [of, i] : group) {
-    residuals_[i] = {};
-    const double way = way_of_point(i);
-    if (way <= seen_[i]) continue;
-    residuals_[i] = push_point(i, dt);
-    seen_[i] = residuals_[i] == Vec3{} ? way : way_of_point(i);
-    const double squared = dot(residuals_[i], residuals_[i]);
-    largest = std::max(largest, squared);
-    size += masses_[i].mass()[0] * squared;
-  }
-  return {std::sqrt(largest), size};
+PointSweeps::Changes PointPushes::sweep(std::span<const std::uint32_t> planes,
+                                        std::span<const std::uint32_t> others, double dt) {
+  PointSweeps::Changes changes;
+  sweeps_.sweep(planes, changes);
+  for (const std::uint32_t i : others)
+    sweeps_.set_change(sweeps_.contacts[i], change_of(i, dt), changes);
+  return changes;
 }
 
-/// What an earlier sweep did is taken back before: other points may hold its vertices now. Returns
-/// the change of its velocity, m/s.
-Vec3 PointPushes::push_point(std::size_t i, double dt) {
-  ContactInProgress::Pushed& pushed = step_.pushed[i];
-  const PointMass& mass = masses_[i];
-  const Vec3 last = pushed.change;
-  const Vec3 end = minus(mass.point().sum(attributes_.position().rows()), scaled(dt, last));
-  const Vec3 velocity = minus(mass.point().sum(attributes_.velocity().rows()), last);
-  pushed.change = change_of(i, end, velocity, dt);
-  const Vec3 change = minus(pushed.change, last);
-  if (change != Vec3{}) change_point(i, change, dt);
-  return change;
-}
-
-void PointPushes::change_point(std::size_t i, const Vec3& by, double dt) {
-  const PointMass& mass = masses_[i];
-  mass.change(by, dt);
-  const double impulse = norm(mass.impulse(by));
-  const ContactPoint& point = mass.point();
-  const std::span<const Index> near = near_of_point(i);
-  for (std::size_t j = 0; j < near.size(); ++j)
-    ways_[near[j]] +=
-        dt * std::abs(point.weights[j]) * impulse / attributes_.mass().rows()[point.vertices[j]];
-}
-
-/// How far its vertices have taken a point since the sweeps began, m; at most.
-double PointPushes::way_of_point(std::size_t i) const {
-  const ContactPoint& point = masses_[i].point();
-  const std::span<const Index> near = near_of_point(i);
-  double way = 0;
-  for (std::size_t j = 0; j < near.size(); ++j) way += std::abs(point.weights[j]) * ways_[near[j]];
-  return way;
-}
-
-Vec3 PointPushes::change_of(std::size_t i, const Vec3& end, const Vec3& velocity, double dt) {
-  const unsigned fixed = masses_[i].fixed();
-  if (pairs_ && i >= first_pair_) {
-    const auto [normal, tangential] = pairs_->change(i - first_pair_, end, velocity, fixed, dt);
+/// By the general law.
+Vec3 PointPushes::change_of(std::size_t i, double dt) {
+  const PointSweeps::Contact& contact = sweeps_.contacts[i];
+  const ContactPoint at = point(i);
+  const Vec3 others = sweeps_.change_by_others(contact);
+  const Vec3 end = plus(at.sum(attributes_.position().rows()), scaled(dt, others));
+  const Vec3 velocity = plus(at.sum(attributes_.velocity().rows()), others);
+  if (is_pair(i)) {
+    const auto [normal, tangential] =
+        pairs_->change(i - first_pair_, end, velocity, contact.fixed, dt);
     pair_tangential_[i - first_pair_] = tangential;
     return plus(normal, tangential);
   }
-  VertexPath path{minus(end, scaled(dt, velocity)), end, {}, fixed, dt};
+  VertexPath path{minus(end, scaled(dt, velocity)), end, {}, contact.fixed, dt};
   step_.push_path(path, step_.pushes_on(i), edge_);
   return path.change;
+}
+
+// -------------------------------------------------------------------- results --
+
+void PointPushes::finish(double dt) {
+  double* x = attributes_.position().rows();
+  double* v = attributes_.velocity().rows();
+  for (const Index vertex : of_groups_) {
+    PointSweeps::Row& change = sweeps_.vertices[vertex].change;
+    for (std::size_t c = 0; c < 3; ++c) {
+      v[4 * std::size_t{vertex} + c] += change[c];
+      x[4 * std::size_t{vertex} + c] += dt * change[c];
+    }
+    change = {};
+  }
+  for (std::size_t i = 0; i < step_.pushed.size(); ++i) note_push(i);
+}
+
+void PointPushes::note_push(std::size_t i) {
+  const PointSweeps::Contact& contact = sweeps_.contacts[i];
+  ContactInProgress::Pushed& pushed = step_.pushed[i];
+  pushed.change = PointSweeps::vec_of(contact.change);
+  if (!contact.is_plane) return;
+  const Vec3 normal = scaled(contact.pressed, PointSweeps::vec_of(contact.normal)),
+             tangential = minus(pushed.change, normal);
+  if (is_pair(i)) {
+    pair_tangential_[i - first_pair_] = tangential;
+    return;
+  }
+  ContactInProgress::PushBy& by = step_.pushes[pushed.first];
+  by.push = {};
+  if (contact.pressed > 0)
+    by.push = {normal, tangential, plane_velocities_[by.obstacle], contact.sliding};
+}
+
+void PointPushes::release() {
+  for (PointSweeps::Contact& contact : sweeps_.contacts) contact.change = {};
+  is_again_ = false;
+}
+
+void PointPushes::keep_forces() {
+  last_.clear();
+  for (std::size_t i = 0; i < step_.pushed.size(); ++i) {
+    if (step_.pushed[i].change == Vec3{}) continue;
+    const Vec3 force = scaled(1 / gain_, impulse(i, step_.pushed[i].change));
+    if (is_pair(i))
+      last_.add_pair(pairs_->point(i - first_pair_), pairs_->triangle(i - first_pair_), force);
+    else
+      last_.add_point(step_.pushed[i].vertex, force);
+  }
+  last_.sort_pairs();
 }
 
 }  // namespace suture

@@ -6,8 +6,33 @@
 #include <utility>
 
 #include "kernel/base/sort_unique.hpp"
+#include "kernel/contact/row_lanes.hpp"
+#include "kernel/solvers/clones.hpp"
 
 namespace suture {
+namespace {
+
+/// Of rows of 4, for some points.
+SUTURE_CLONES
+void sum_rows(const Index* first, const Index* vertices, const double* weights, const double* rows,
+              const Index* some, std::size_t count, double* out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Index p = some[i];
+    RowLanes sum = weights[first[p]] * row_at(rows, vertices[first[p]]);
+    for (Index j = first[p] + 1; j < first[p + 1]; ++j)
+      sum += weights[j] * row_at(rows, vertices[j]);
+    row_at(out, p) = sum;
+  }
+}
+
+void sum_rows(const EmbeddedPoints& points, std::span<const Index> some, const double* rows,
+              std::vector<double>& out) {
+  out.resize(4 * std::size_t{points.size()});
+  sum_rows(points.first.data(), points.vertices.data(), points.weights.data(), rows, some.data(),
+           some.size(), out.data());
+}
+
+}  // namespace
 
 double ContactPoint::in_series(const double* values, const double* held) const {
   if (vertices.size() == 1) return values[vertices[0]];
@@ -57,19 +82,13 @@ std::vector<Index> SurfacePoints::ascending_vertices() const {
   return vertices;
 }
 
-void SurfacePoints::gather(Attributes& attributes) {
-  positions_.resize(4 * std::size_t{size()});
-  const double* x = attributes.position().rows();
-  for (Index p = 0; p < points_.size(); ++p)
-    std::ranges::copy((*this)[p].sum(x), positions_.begin() + std::ptrdiff_t{4} * p);
-  gather_velocities(attributes);
+void SurfacePoints::gather(Attributes& attributes, std::span<const Index> some) {
+  sum_rows(points(), some, attributes.position().rows(), positions_);
+  sum_rows(points(), some, attributes.velocity().rows(), velocities_);
 }
 
 void SurfacePoints::gather_velocities(Attributes& attributes) {
-  velocities_.resize(4 * std::size_t{size()});
-  const double* v = attributes.velocity().rows();
-  for (Index p = 0; p < points_.size(); ++p)
-    std::ranges::copy((*this)[p].sum(v), velocities_.begin() + std::ptrdiff_t{4} * p);
+  sum_rows(points(), numbers_, attributes.velocity().rows(), velocities_);
 }
 
 bool ContactPoint::is_held(const double* held) const {

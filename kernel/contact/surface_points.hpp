@@ -63,9 +63,14 @@ class SurfacePoints {
   bool is_lip(Index p) const { return is_lip_[p] != 0; }
   bool has_lips() const { return std::ranges::find(is_lip_, 1) != is_lip_.end(); }
   /// 0, 1, 2 ...
-  std::span<const Index> numbers() const { return numbers_; }
+  std::span<const Index> numbers() const {
+    points();
+    return numbers_;
+  }
   /// Makes positions() and velocities() those of the vertices now: rows of 4.
-  void gather(Attributes& attributes);
+  void gather(Attributes& attributes) { gather(attributes, numbers()); }
+  /// Those of some points only.
+  void gather(Attributes& attributes, std::span<const Index> some);
   void gather_velocities(Attributes& attributes);
   const double* positions() const { return positions_.data(); }
   const double* velocities() const { return velocities_.data(); }

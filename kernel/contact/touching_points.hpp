@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -36,16 +37,24 @@ class TouchingPoints {
   std::span<const Index> numbers() const {
     return embedded_ ? embedded_->numbers() : surface_.vertices();
   }
-  /// After ascending_vertices().
-  std::span<const Index> ascending_numbers() const {
-    return embedded_ ? embedded_->numbers() : vertices_;
-  }
   /// On which they depend.
   std::span<const Index> ascending_vertices();
+  /// Some that are near each other, and the vertices on which they depend.
+  struct Cluster {
+    std::span<const Index> numbers, vertices;
+  };
+  /// All are in one of them. `cell`: the width of those of an embedded surface,
+  /// m.
+  void find_clusters(double cell);
+  std::size_t cluster_count() const { return cluster_ends_.size() - 1; }
+  Cluster cluster(std::size_t i) const;
 
   /// Makes positions() and velocities() those of the vertices now.
   void gather() {
     if (embedded_) embedded_->gather(attributes_);
+  }
+  void gather(std::span<const Index> some) {
+    if (embedded_) embedded_->gather(attributes_, some);
   }
   /// Rows of 4, by number.
   const double* positions() const {
@@ -66,12 +75,16 @@ class TouchingPoints {
     return {v, {&v, 1}, {&one, 1}};
   }
   void number_vertices();
+  void add_cluster(std::span<const Index> numbers, std::span<const Index> vertices);
 
   Attributes& attributes_;
   BoundarySurface surface_;
   std::optional<SurfacePoints> embedded_;
   std::vector<Index> numbers_;   ///< 0, 1, 2 ... of vertices
   std::vector<Index> vertices_;  ///< on which they depend, ascending; empty: not known
+  std::vector<Index> cluster_numbers_, cluster_vertices_;
+  /// In these; empty: not known.
+  std::vector<std::array<std::size_t, 2>> cluster_ends_;
 };
 
 template <class Visit>

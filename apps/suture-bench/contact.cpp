@@ -2,6 +2,8 @@
 //
 // Contact: finding near pairs, and whole steps with and without.
 
+#include "kernel/contact/contact.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +11,6 @@
 #include "apps/suture-bench/commands.hpp"
 #include "apps/suture-bench/contact_letters.hpp"
 #include "apps/suture-bench/timer.hpp"
-#include "kernel/contact/contact.hpp"
 #include "kernel/contact/near_pairs.hpp"
 #include "kernel/topology/dart.hpp"
 

@@ -63,13 +63,16 @@ std::vector<double> PlaneBlade::heights(const CellComplex& complex, const double
 
 bool PlaneBlade::is_endless() const { return std::isinf(patch_.radius) && patch_.polygon.empty(); }
 
-SurfacePatch::SurfacePatch(TriangleSurface surface, double longest_edge, const Vec3& origin)
-    : surface_(with_shared_points(std::move(surface))), longest_edge_(longest_edge) {
+SurfacePatch::SurfacePatch(TriangleSurface surface, const Vec3& origin)
+    : surface_(with_shared_points(std::move(surface))) {
   if (const std::string fault = surface_.fault(origin); !fault.empty())
     throw InputError(this->surface().source + ": " + fault +
                      ", so the blade has no two sides; give all of its triangles the same "
                      "orientation, or cut along \"faces\"");
 }
+
+SurfacePatch::SurfacePatch(TriangleSurface surface, double longest_edge)
+    : surface_(std::move(surface)), longest_edge_(longest_edge) {}
 
 std::vector<double> SurfacePatch::heights(const CellComplex& complex, const double* rows,
                                           std::size_t stride) const {

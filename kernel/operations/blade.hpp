@@ -22,10 +22,11 @@ class Blade {
   virtual bool is_endless() const = 0;
   /// Whether the point of it that is nearest to a place is not on its rim.
   virtual bool holds(const Vec3& place) const = 0;
-  /// Whether an element must not be divided again by it, with these heights: a cut along it has
-  /// made this copy.
-  virtual bool has_divided(Index /*element*/, const std::vector<double>& /*heights*/) const {
-    return false;
+  /// Whether it has divided the element before, and must not do so again: along these heights, or
+  /// elsewhere.
+  enum class Earlier { never, here, elsewhere };
+  virtual Earlier earlier_cut(Index /*element*/, const std::vector<double>& /*heights*/) const {
+    return Earlier::never;
   }
 };
 
@@ -45,9 +46,12 @@ class PlaneBlade final : public Blade {
 /// element, such as an edge of the blade, is rounded.
 class SurfacePatch final : public Blade {
  public:
-  /// Equal points are merged. `longest_edge` of the elements, m, if it is known. Throws InputError
-  /// if its two sides cannot be told apart; `origin`: that of the body, for the message.
-  explicit SurfacePatch(TriangleSurface surface, double longest_edge = 0, const Vec3& origin = {});
+  /// Equal points are merged. Throws InputError if its two sides cannot be told apart; `origin`:
+  /// that of the body, for the message.
+  explicit SurfacePatch(TriangleSurface surface, const Vec3& origin = {});
+  /// A surface whose points are merged already, at most two triangles at an edge, on different
+  /// sides of it. `longest_edge`: of the elements, m.
+  SurfacePatch(TriangleSurface surface, double longest_edge);
   const TriangleSurface& surface() const { return surface_.surface(); }
   /// O(vertices), and 1 us for each near the blade.
   std::vector<double> heights(const CellComplex& complex, const double* rows,
@@ -62,7 +66,7 @@ class SurfacePatch final : public Blade {
 
  private:
   OrientedSurface surface_;
-  double longest_edge_;
+  double longest_edge_ = 0;  ///< of the elements, m; 0: not known
 };
 
 /// Returns the longest edge of existing elements, whose vertices are at rows[stride v], m.

@@ -115,10 +115,11 @@ void BladePieces::divide(Index element) {
   const std::vector<double>& heights = point_heights_;
   side_[element] = static_cast<std::int8_t>(side_of(material, heights, tolerance_));
   if (side_[element] != 0) return undivided_.push_back(element);
-  if (blade_.has_divided(element, heights_)) {
+  const Blade::Earlier earlier = blade_.earlier_cut(element, heights_);
+  if (earlier != Blade::Earlier::never) {
     // Its section is linear in each tetrahedron, heights are not.
     const auto [low, high] = std::ranges::minmax(heights);
-    side_[element] = high > -low ? 1 : -1;
+    if (earlier == Blade::Earlier::here) side_[element] = high > -low ? 1 : -1;
     return leave_whole(element);
   }
   std::vector<DividedPart> found = divider_.divide(material, heights, tolerance_);

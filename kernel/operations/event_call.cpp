@@ -6,6 +6,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/base/message_text.hpp"
+#include "kernel/base/rows.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/moving_blade.hpp"
 #include "kernel/geometry/surface_blade.hpp"
@@ -203,16 +204,11 @@ EventOutcome EventRunner::Call::cut_along_sheet() const {
   if (time < blade.begin()) return outcome;
   const double from = std::clamp(state.sheet->time(), blade.begin(), time),
                to = std::max(from, std::min(time, blade.end()));
-  int parts = 1;
-  try {
-    parts = state.sheet->rows_between(blade.at(from), blade.at(to));
-  } catch (const InputError& error) {
-    throw InputError(timed(time, event.path + "/cut/blade") + ": " + error.what());
-  }
-  for (int i = 1; i <= parts; ++i) {
-    const double at = i < parts ? from + (to - from) * i / parts : time;
+  std::vector<double> times = state.sheet->times_between(from, blade.at(from), to, blade.at(to));
+  times.back() = time;
+  for (const double at : times) {
     const EventOutcome cut =
-        cut_to(blade.at(std::min(at, to)), at, i == parts && time >= blade.end());
+        cut_to(blade.at(std::min(at, to)), at, at == time && time >= blade.end());
     outcome += cut;
     outcome.faces.insert(outcome.faces.end(), cut.faces.begin(), cut.faces.end());
   }
@@ -222,14 +218,21 @@ EventOutcome EventRunner::Call::cut_along_sheet() const {
 /// What a moving blade has swept is known at rest.
 EventOutcome EventRunner::Call::cut_to(const std::vector<Vec3>& edge, double at,
                                        bool is_last) const {
-  if (!state.sheet->advance(edge, at, is_last)) return {};
-  const BladeCut cut =
-      cut_along(built.body().complex(), built.parts(), built.body().attributes().rest().rows(),
-                *state.sheet, event.path + "/cut/along", 4, state.sheet->ties());
+  const std::unique_ptr<Blade> blade = state.sheet->advance(edge, at, is_last);
+  if (!blade) return {};
+  BladeCut cut;
+  try {
+    cut = cut_along(built.body().complex(), built.parts(), built.body().attributes().rest().rows(),
+                    *blade, event.path + "/cut/along", 4, state.sheet->ties());
+  } catch (...) {
+    state.sheet->give_up_rows();
+    throw;
+  }
   state.sheet->keep(cut.heights, cut.cloning.origins);
   state.sheet->ties() = cut.ties;
   const Index first_copy = built.body().complex().element_count();
   EventOutcome outcome = divide(cut);
+  sew_ties(cut.seams);
   if (state.edge) built.body().contact()->edge_divided(*state.edge, first_copy);
   return outcome;
 }
@@ -246,8 +249,30 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
     built.embedded_parts().refine(cut.refined);
     built.embedded_parts().append(cut.parts, cut.cloning.origins, cut_number());
   });
-  if (!cut.seams.empty()) sew_now(cut.seams);
   return outcome;
+}
+
+/// Sides that a blade has left open, and that fit to each other now: those that can be sewn
+/// together are, and others stay tied. So do sides that have moved apart by half an element: sewn,
+/// they would jump.
+void EventRunner::Call::sew_ties(const std::vector<Seam>& seams) const {
+  const CellComplex& complex = built.body().complex();
+  const double* x = rows(false);
+  const double most = 0.5 * state.sheet->element_size();
+  const auto are_near = [&](const Seam& seam) {
+    for (Dart k = 0; k < 4; ++k)
+      if (norm(minus(row(x, corner_vertex(complex, seam, k)),
+                     row(x, partner_vertex(complex, seam, k)))) > most)
+        return false;
+    return true;
+  };
+  SeamBatch batch(complex);
+  for (const Seam& seam : seams) {
+    const bool is_open = complex.beta3(seam.one) == none && complex.beta3(seam.other) == none;
+    if (!is_open || !are_near(seam) || batch.add(seam))
+      state.sheet->ties().push_back({seam.one, seam.other});
+  }
+  if (!batch.seams().empty()) sew_now(batch.seams());
 }
 
 /// Elements that blades have divided become one again, where both sides are selected.

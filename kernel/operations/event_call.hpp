@@ -70,6 +70,7 @@ struct EventRunner::Call {
   EventOutcome cut_along_sheet() const;
   EventOutcome cut_to(const std::vector<Vec3>& edge, double at, bool is_last) const;
   EventOutcome divide(const BladeCut& cut) const;
+  void sew_ties(const std::vector<Seam>& seams) const;
 
   // ---- removals and seams
 

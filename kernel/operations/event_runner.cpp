@@ -43,7 +43,7 @@ EventRunner::State EventRunner::prepare(const Event& event, bool is_applied) {
       for (Vec3& p : surface.points)
         for (std::size_t c = 0; c < 3; ++c) p[c] += cut->translation[c];
       if (cut->along_blade)
-        state.patch = std::make_unique<SurfacePatch>(std::move(surface), 0, built_.frame().origin);
+        state.patch = std::make_unique<SurfacePatch>(std::move(surface), built_.frame().origin);
       else
         state.surface = std::make_unique<SurfaceBlade>(std::move(surface), diagnostics_);
     } else if (const auto* blade = std::get_if<CutBlade>(&event.what)) {
@@ -122,12 +122,18 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
   return outcome;
 }
 
+void EventRunner::motion(Archive& archive) {
+  std::span states = states_;
+  archive.each("sheets", states, [](Archive& each, State& state) {
+    if (state.sheet) each("sheet", *state.sheet);
+  });
+}
+
 // A blade knows where the tissue was at its last step.
 void EventRunner::roll_back(double time) {
   const Places places{built_.body().attributes().position().rows()};
   for (std::size_t i = 0; i < states_.size(); ++i) {
     State& state = states_[i];
-    if (state.sheet) state.sheet->roll_back(time);
     if (!state.blade || state.sheet || !state.has_fired) continue;
     state.blade->reset();
     const auto* cut = std::get_if<CutBlade>(&scene_.events[i].what);

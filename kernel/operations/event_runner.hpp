@@ -78,6 +78,9 @@ class EventRunner : private Follower {
   /// The moving blades that are present at `time`, and the surfaces that have not cut before it.
   std::vector<BladeShape> blades(double time) const;
   void state(Archive& archive);
+  /// Of it, what steps change without an operation: saved with the motion, before which a rollback
+  /// needs roll_back().
+  void motion(Archive& archive);
 
  private:
   struct Call;  // one operation in progress

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "kernel/contact/element_finder.hpp"
 #include "kernel/operations/cut_along.hpp"
+#include "kernel/operations/edge_samples.hpp"
+#include "kernel/operations/own_slit.hpp"
 
 // A moving blade that divides elements
 // ====================================
@@ -22,78 +25,101 @@
 // element is divided as soon as the sheet holds its whole section. The opening therefore lags
 // behind the edge by up to an element and a half.
 //
-// The heights of the nodes of a divided element are kept: where the sheet bends later, elements
-// that are divided then agree with it on the faces that they share, and its copies are not cut
-// again by a hair.
+// Tissue trembles at an edge and is dragged by it. The sheet grows forwards only: where the edge
+// goes back, or sideways, by less than an element, it waits at the row where the edge was farthest
+// (Stroke::waiting). From an element on, the blade has turned: sideways, the sheet bends;
+// backwards, another stroke begins there.
 
 namespace suture {
 
-class SweptSheet final : public Blade {
+class SweptSheet final {
  public:
   /// `edge`: the polyline in tissue coordinates at first, which says how finely it is traced, m.
-  /// Throws InputError if it is longer than 50,000 elements.
   SweptSheet(const CellComplex& complex, Attributes& attributes, const std::vector<Vec3>& edge);
 
-  /// The edge is at these points now, after the last call. Returns true if a cut may have something
-  /// to do: it has advanced by half an element, or `is_last`. 1 ns per vertex
-  /// and 1 us per point of the edge.
-  bool advance(const std::vector<Vec3>& points, double time, bool is_last);
+  /// The edge is at these points now, after the last call. Returns the blade along which the body
+  /// at rest is to be cut, until the next call; null where nothing would be divided: it has
+  /// advanced by less than half an element. `is_last`: it does not go on. 1 ns per vertex and 1 us
+  /// per point of the edge.
+  std::unique_ptr<Blade> advance(const std::vector<Vec3>& points, double time, bool is_last);
   /// When advance() was last called, s.
   double time() const { return time_; }
-  /// How often it must be called for an edge that moves so far: at least once. Throws InputError if
-  /// more than ten million points would be traced.
-  int rows_between(const std::vector<Vec3>& from, const std::vector<Vec3>& to) const;
-  /// Call after each cut along this, before elements are divided, with its heights.
+  /// When it must be called for an edge that moves straight between two times: at least at the
+  /// second one. A way, and an edge, that are long beside the body are traced near it only.
+  std::vector<double> times_between(double from, const std::vector<Vec3>& at_first, double to,
+                                    const std::vector<Vec3>& at_last) const;
+  /// Call after each cut along the blade of advance(), before elements are divided, with its
+  /// heights.
   void keep(const std::vector<double>& heights, std::span<const Index> divided);
+  /// Call instead if there was no such cut, because it could not be made.
+  void give_up_rows();
   void follow(const TopologyChange& change);
-  /// Call after a rollback to `time`; nothing was divided since then.
-  void roll_back(double time);
+  double element_size() const { return size_; }  ///< the longest edge at rest, m
   /// At the front, between cuts along this.
   std::vector<Tie>& ties() { return ties_; }
 
-  /// The sheet lies in the tissue at rest: `rest` are the places there. Known near what has been
-  /// swept since the last cut.
-  std::vector<double> heights(const CellComplex& complex, const double* rest,
-                              std::size_t stride) const override;
-  bool is_endless() const override { return false; }
-  bool holds(const Vec3& place) const override { return sheet().holds(place); }
-  bool has_divided(Index element, const std::vector<double>& heights) const override;
   void state(Archive& archive);
 
  private:
+  class Front;
+  using Points = std::vector<Vec3>;
   struct Row {
-    double time = 0;           ///< s
-    std::vector<Vec3> points;  ///< of the edge, m
+    double time = 0;  ///< s
+    Points points;    ///< of the edge, m
     void state(Archive& archive);
   };
-  Row refined(const std::vector<Vec3>& points, double time) const;
-  bool find_shifts(const Row& row);
-  Row at_rest(Row row) const;
-  bool turns_back(const Row& row) const;
+  /// Where in the tissue an edge is: by its points, and for those that are in none, as at the
+  /// nearest one with some.
+  struct Tissue {
+    std::vector<Index> elements;
+    Points at;      ///< in them
+    Points places;  ///< of the tissue, m
+    Points shifts;  ///< from where the points are to where the tissue is at rest, m
+    void copy(std::size_t from, std::size_t to);
+    void add(const Tissue& other, std::size_t point);
+    void state(Archive& archive);
+  };
+  enum class Turn { ahead, aside, back };
+  /// A way through the tissue, which begins when the edge enters it.
+  struct Stroke {
+    Tissue tissue;             ///< where the edge was last in it
+    Points inside;             ///< where that is at rest
+    std::vector<Row> rows;     ///< of the sheet, at rest; at least one
+    std::size_t new_rows = 0;  ///< the last of them, since the last cut
+    std::vector<Row> waiting;  ///< where the edge has gone from the last row, not forwards; at rest
+
+    Vec3 heading(std::size_t point, double length) const;
+    Turn turn(const Row& row, double length) const;
+    Points ahead(Points points, double length) const;
+    void wait(Row row, double spacing);
+    void add(Row row);
+    std::vector<Box> new_boxes() const;
+    void state(Archive& archive);
+  };
+
+  std::optional<Tissue> find_tissue(const Row& row);
+  void follow_tissue(Tissue& tissue) const;
+  static Row at_rest(Row row, const Points& shifts);
   void approach(Row row);
-  void add(Row row);
-  std::vector<Box> new_boxes() const;
-  const SurfacePatch& sheet() const;
+  Stroke begin(const Row& now, const Tissue& tissue);
+  std::optional<Row> row_before(const Row& first, const Row& now, const Tissue& tissue) const;
+  std::unique_ptr<Blade> grow(Row row, bool is_last);
+  std::unique_ptr<Blade> new_front() const;
+  void cover(const Points& points);
+  Box body_box() const;
+  double spacing() const;
 
   const CellComplex& complex_;
   Attributes& attributes_;
   ElementFinder finder_;
-  double size_;                   ///< the longest edge of an element at rest, m
-  std::vector<Index> divisions_;  ///< of each segment of the polyline
-  /// From where the tissue at each point of the edge is to where it is at rest; where there is
-  /// none, as at the nearest point of the edge with some, or as it was last.
-  std::vector<Vec3> shifts_;
-  std::vector<Row> approach_;                    ///< before the edge is in tissue, where it is
-  std::vector<Row> rows_;                        ///< of the sheet, at rest
-  std::size_t new_rows_ = 0;                     ///< the last of them, since the last cut
-  Row last_inside_;                              ///< where the edge was when it was last in tissue
-  double time_ = 0;                              ///< of the last call, s
-  mutable std::unique_ptr<SurfacePatch> sheet_;  ///< of the rows; null: not made yet
-  /// Heights that are kept, by vertex, m: NaN without one; and in which stroke they were.
-  std::vector<double> kept_;
-  std::vector<Index> stroke_of_;
-  std::vector<std::uint8_t> times_divided_;  ///< by element; of copies, with their originals
-  Index stroke_ = 0;
+  double size_;  ///< the longest edge of an element at rest, m
+  EdgeSamples samples_;
+  std::vector<Row> approach_;  ///< where the edge was before the stroke
+  Row before_;                 ///< the last of these, however near
+  std::optional<Stroke> stroke_;
+  double time_ = 0;   ///< of the last call, s
+  Index number_ = 0;  ///< of the stroke
+  OwnSlit slit_;
   std::vector<Tie> ties_;
 };
 

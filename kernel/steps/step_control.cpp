@@ -409,7 +409,7 @@ void StepControl::state(Archive& archive) {
   archive("schedule", schedule_);
   archive("dynamics", built_.dynamics());
   if (accuracy_) archive("accuracy", *accuracy_);
-  if (!archive.has_cells()) return;
+  if (!archive.has_cells()) return archive.group("events", [&] { events_.motion(archive); });
   archive("limits", built_.limits());
   archive("guard", guard_);
   archive("watch", watch_);

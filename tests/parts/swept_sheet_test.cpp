@@ -112,21 +112,31 @@ TEST_F(MovingAlong, CutsWhatItPassesWithinAStep) {
   EXPECT_EQ(in_a_step, divided);
 }
 
-TEST_F(MovingAlong, RefusesEdgesAndWaysWithoutAnEnd) {
-  EXPECT_THAT(
-      [&] {
-        build({at(0, 3, 2, -1, 1e5), at(1, 4, 2, -1, 1e5)});
-      },
-      testing::ThrowsMessage<InputError>(testing::HasSubstr(
-          "/events/0/cut: the edge of the blade is 1e+05 m long, 1e+05 elements; at most "
-          "5e+04 elements are traced")));
-  build({at(0, -1, 1.3), at(0.004, 4e9, 2.7)});
-  EXPECT_THAT([&] { move(0, 0.01); },
-              testing::ThrowsMessage<InputError>(testing::HasSubstr(
-                  "t = 0.01 s: /events/0/cut/blade: the blade moves 4e+09 m in this step")));
-  build({at(0, -1, 1.3), at(0.004, 1e5, 2.7)});
-  move(0, 0.02);
+// However long the edge and its way are beside the body, and where along the edge it is.
+TEST_F(MovingAlong, TracesEdgesAndWaysWithoutAnEnd) {
+  for (const double length : {1e5, 1e9}) {
+    SCOPED_TRACE(length);
+    divided = 0;
+    build({{0, {{-1, 1.3, -length}, {-1, 1.3, 1.7 * length}}},
+           {1, {{13.5, 2.7, -length}, {13.5, 2.7, 1.7 * length}}}});
+    ASSERT_NO_FATAL_FAILURE(move(0, 1));
+    EXPECT_EQ(islands(), 2u);
+    EXPECT_NEAR(lips, 2 * 4 * 12 * std::hypot(1, 1.4 / 14.5), 1e-4);
+    divided = 0;
+    build({at(0, -1, 1.3), at(0.004, length, 1.3)});
+    ASSERT_NO_FATAL_FAILURE(move(0, 0.02));
+    EXPECT_EQ(islands(), 2u);
+    EXPECT_EQ(divided, 12u * 4);
+  }
+}
+
+// Along itself by many times the length of its samples near the body.
+TEST_F(MovingAlong, CutsWithALongEdgeThatSlides) {
+  build({{0, {{-1, 1.3, -1e6}, {-1, 1.3, 1e6}}},
+         {1, {{13.5, 1.3, 200 - 1e6}, {13.5, 1.3, 200 + 1e6}}}});
+  ASSERT_NO_FATAL_FAILURE(move(0, 1));
   EXPECT_EQ(islands(), 2u);
+  EXPECT_EQ(divided, 12u * 4);
 }
 
 TEST_F(MovingAlong, CutsAnArc) {
@@ -197,15 +207,65 @@ TEST_F(MovingAlong, RandomWaysKeepVolumeSurfaceAndMap) {
   EXPECT_LE(splinters, runs / 100) << "of two per mille of an element";
 }
 
-// As tissue does that trembles at an edge: ten ways through one layer of elements, beside each
-// other.
-TEST_F(MovingAlong, DoesNotShredWhatItPassesAgainAndAgain) {
+// Ten ways through one layer of elements, beside each other.
+TEST_F(MovingAlong, DividesWhatIsWholeOnly) {
   std::vector<CutBlade::Station> stations;
   for (int i = 0; i <= 10; ++i) stations.push_back(at(i, i % 2 == 0 ? -3 : 15, 1.03 + 0.09 * i));
   build(stations);
-  for (int i = 0; i <= 1000; ++i) divided += open->events.fire(0, 0.01 * i).elements_cut;
-  EXPECT_GE(divided, 48u);
-  EXPECT_LE(divided, 3 * 48u) << "an element once, and both of its copies";
+  ASSERT_NO_FATAL_FAILURE(move(0, 10));
+  EXPECT_EQ(divided, 48u);
+  EXPECT_EQ(islands(), 2u);
+}
+
+// A saw, which goes to and fro by four elements while it advances by a tenth of one.
+TEST_F(MovingAlong, Saws) {
+  std::vector<CutBlade::Station> stations;
+  for (int i = 0; i <= 145; ++i) {
+    const double x = -1 + 0.1 * i, z = i % 2 == 0 ? 2 : -2;
+    stations.push_back({i / 145.0, {{x, 1.3, z - 8}, {x, 1.3, z + 12}}});
+  }
+  build(stations);
+  ASSERT_NO_FATAL_FAILURE(move(0, 1));
+  EXPECT_EQ(divided, 48u);
+  EXPECT_EQ(islands(), 2u);
+}
+
+// Half of the width, forwards by seven elements, back by less than one, and so on.
+TEST_F(MovingAlong, WaitsWhereItsEdgeGoesBack) {
+  build({at(0, -1, 1.3), at(1, 13.5, 2.7)});
+  ASSERT_NO_FATAL_FAILURE(move(0, 1));
+  const double straight = lips;
+  std::vector<CutBlade::Station> stations{at(0, -1, 1.3)};
+  for (int i = 1; i <= 60; ++i) {
+    const double x = std::min(-1 + 0.3 * i + (i % 2 == 0 ? -0.6 : 0), 13.5);
+    stations.push_back(at(i / 60.0, x, 1.3 + (x + 1) * 1.4 / 14.5 + (i % 4 < 2 ? 0.1 : -0.1)));
+  }
+  divided = 0;
+  build(stations);
+  ASSERT_NO_FATAL_FAILURE(move(0, 1));
+  EXPECT_EQ(islands(), 2u);
+  EXPECT_NEAR(lips, straight, 0.05 * straight);
+}
+
+// In at one place, turned back by more than an element, and out beside the first slit.
+TEST_F(MovingAlong, CutsWhereItTurns) {
+  build({at(0, -1, 1.3), at(0.5, 6.4, 1.3), at(1, -1.5, 2.8)});
+  ASSERT_NO_FATAL_FAILURE(move(0, 0.5));
+  const Index once = divided;
+  ASSERT_NO_FATAL_FAILURE(move(0.51, 1));
+  EXPECT_GE(divided, once + 4 * 3);
+  EXPECT_LE(divided, once + 4 * 7);
+}
+
+// Along the bar, out of it, and across.
+TEST_F(MovingAlong, CrossesItsOwnSlit) {
+  build({at(0, -1, 1.7),
+         at(1, 15, 1.7),
+         at(1.5, 15, 8),
+         at(2, 6.4, 8),
+         {3, {{6.4, -3, -1}, {6.6, -3, 5}}}});
+  ASSERT_NO_FATAL_FAILURE(move(0, 3));
+  EXPECT_EQ(islands(), 4u);
 }
 
 // A blade that crosses its own way: what it leaves is sound, whatever it is.

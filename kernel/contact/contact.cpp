@@ -97,7 +97,7 @@ const PointPairs* Contact::find_point_pairs() {
   if (!pairs_) return nullptr;
   pairs_->set_depth(PieceContact::max_depth);
   points_.gather();
-  pairs_->find();
+  pairs_->find(0);
   return &*pairs_;
 }
 
@@ -134,7 +134,10 @@ std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
   step_.moving = step.moving;
   find_near_obstacles(step);
   if (pieces_) vertex_pushes_->find_touching(step);
-  if (pairs_) point_pushes_->find_pairs();
+  if (pairs_) {
+    const double way = kept_.closing_speed * step.dt;
+    point_pushes_->find_pairs(way == 0 || way > pairs_->reach() ? 0 : step.dt);
+  }
   if (edges_) {
     find_at_edges();
     edges_->engage(step.whole_gain);

@@ -13,8 +13,9 @@
 #include "kernel/topology/islands.hpp"
 
 namespace suture {
-void PointPairs::find(const LiveMask* moving) {
+void PointPairs::find(double back, const LiveMask* moving) {
   if (is_stale_) find_pieces();
+  if (may_meet_) gather_places(back);
   if (may_meet_ && (is_stale_ || has_moved())) find_near();
   is_stale_ = false;
   pairs_.clear();
@@ -30,6 +31,12 @@ void PointPairs::find(const LiveMask* moving) {
     const auto& corners = points_.triangles()[pair.triangle];
     near_points_.insert(near_points_.end(), corners.begin(), corners.end());
   }
+}
+
+void PointPairs::gather_places(double back) {
+  places_.resize(4 * std::size_t{points_.size()});
+  const double *x = points_.positions(), *v = points_.velocities();
+  for (std::size_t i = 0; i < places_.size(); ++i) places_[i] = x[i] - back * v[i];
 }
 
 // ------------------------------------------------------------------ what may meet --
@@ -126,33 +133,35 @@ const PointPairs::Plane& PointPairs::plane(Index triangle) {
   const Vec3 at = place(a), area = cross(minus(place(b), at), minus(place(c), at));
   const double size = norm(area);
   const Vec3 normal = size > 0 ? scaled(1 / size, area) : Vec3{};
-  plane = {normal, area, dot(normal, at), step_};
+  plane = {normal, dot(normal, at), step_};
   return plane;
 }
 
-/// Not of unit length.
+/// The sum of the normals of the triangles at the point, each weighted by the angle that the
+/// triangle has there (Baerentzen and Aanaes, IEEE TVCG 11 (2005) 243). Areas as weights would let
+/// a large outer face hide the lip at whose rim the point lies. Not of unit length.
 Vec3 PointPairs::normal_at(Index point) {
-  Vec3 normal{};
-  for (Index i = first_at_[point]; i < first_at_[point + 1]; ++i)
-    normal = plus(normal, plane(at_[i]).area);
-  return normal;
+  Vec3 sum{};
+  for (Index i = first_at_[point]; i < first_at_[point + 1]; ++i) {
+    const auto& corners = points_.triangles()[at_[i]];
+    const std::size_t k = corners[0] == point ? 0 : corners[1] == point ? 1 : 2;
+    const Vec3 one = minus(place(corners[(k + 1) % 3]), place(point)),
+               other = minus(place(corners[(k + 2) % 3]), place(point));
+    const double angle = std::atan2(norm(cross(one, other)), dot(one, other));
+    sum = plus(sum, scaled(angle, plane(at_[i]).normal));
+  }
+  return sum;
 }
 
-/// The nearest triangle that looks at the point, of a stretch of near_. Lips that have just been
-/// made have the same places on both sides.
-void PointPairs::add_nearest(std::size_t first_near, std::size_t last_near,
-                             const LiveMask* moving) {
-  const Index p = near_[first_near].vertex;
-  const Vec3 at = place(p);
+/// Fills close_ with the triangles of a stretch of near_ that are not too far from their point.
+void PointPairs::find_close(std::size_t first_near, std::size_t last_near) {
+  close_.clear();
+  const Vec3 at = place(near_[first_near].vertex);
   const double depth = max_depth_ * edge_;
-  double least = depth;
-  Index nearest = none;
-  Vec3 weights{}, towards{};
-  std::optional<Vec3> own_normal;
   for (std::size_t i = first_near; i < last_near; ++i) {
     if (way_ < apart_until_[i]) continue;
     const Index triangle = near_[i].face;
-    const auto& [normal, area, offset_of_plane, step] = plane(triangle);
+    const auto& [normal, offset_of_plane, step] = plane(triangle);
     const auto& [a, b, c] = points_.triangles()[triangle];
     const double gap = dot(at, normal) - offset_of_plane;  // no point of it is nearer
     // Point and triangle may each come nearer by the way of the fastest.
@@ -164,29 +173,84 @@ void PointPairs::add_nearest(std::size_t first_near, std::size_t last_near,
     const Weights of = nearest_in(place(a), place(b), place(c), at);
     const Vec3 foot =
         plus(scaled(of.a, place(a)), plus(scaled(of.b, place(b)), scaled(of.c, place(c))));
-    const Vec3 offset = minus(at, foot);
-    const double distance = norm(offset);
-    if (is_apart(distance) || std::max(distance, std::abs(gap)) >= least) continue;
-    if (gap > margin * edge_ || normal == Vec3{}) continue;
-    if (norm(minus(offset, scaled(gap, normal))) > beside * edge_) continue;
-    if (!own_normal) own_normal = normal_at(p);
-    if (dot(*own_normal, normal) > same_side * norm(*own_normal)) continue;
-    least = distance;
-    nearest = triangle;
-    weights = {of.a, of.b, of.c};
-    towards = normal;
+    const double distance = norm(minus(at, foot));
+    if (is_apart(distance) || normal == Vec3{}) continue;
+    close_.push_back({triangle, {of.a, of.b, of.c}, foot, gap, distance});
   }
-  if (nearest == none) return;
+}
+
+/// Whether a point that is behind the triangle is outside of its piece: the way to the point from
+/// its foot, into the material behind the triangle, leaves that material again. Then the point
+/// came from the other side, as that of a lip whose opposite is a thin wedge or sheet.
+bool PointPairs::is_behind_material(const Close& close, const Vec3& at) {
+  if (close.gap >= 0) return false;
+  const double rounding = level * edge_;
+  const Index piece = piece_of_[points_.triangles()[close.triangle][0]];
+  return std::ranges::any_of(close_, [&](const Close& other) {
+    const auto& corners = points_.triangles()[other.triangle];
+    if (other.triangle == close.triangle || piece_of_[corners[0]] != piece) return false;
+    const Plane& exit = plane(other.triangle);
+    const double from = dot(close.foot, exit.normal) - exit.offset;
+    if (from >= -rounding || other.gap <= -rounding) return false;
+    const double part = std::min(1.0, from / (from - other.gap));
+    const Vec3 there = plus(close.foot, scaled(part, minus(at, close.foot)));
+    const Weights of = nearest_in(place(corners[0]), place(corners[1]), place(corners[2]), there);
+    const Vec3 foot = plus(scaled(of.a, place(corners[0])),
+                           plus(scaled(of.b, place(corners[1])), scaled(of.c, place(corners[2]))));
+    return norm(minus(there, foot)) <= rounding;
+  });
+}
+
+/// Of a stretch of near_, the nearest triangle that looks at the point and through which the point
+/// may have entered its piece; of those that are equally near, the one that looks at it most. Lips
+/// that have just been made have the same places on both sides.
+void PointPairs::add_nearest(std::size_t first_near, std::size_t last_near,
+                             const LiveMask* moving) {
+  find_close(first_near, last_near);
+  const Index p = near_[first_near].vertex;
+  const Vec3 at = place(p);
+  std::optional<Vec3> own_normal;
+  const Close* nearest = nullptr;
+  double facing = 0;  // cosine
+  for (const Close& close : close_) {
+    if (close.gap > margin * edge_) continue;
+    if (nearest && close.distance > nearest->distance + level * edge_) continue;
+    const Vec3& normal = plane(close.triangle).normal;
+    const Vec3 offset = minus(at, close.foot);
+    if (norm(minus(offset, scaled(close.gap, normal))) > beside * edge_) continue;
+    if (!own_normal) {
+      own_normal = normal_at(p);
+      const double size = norm(*own_normal);
+      if (size > 0) own_normal = scaled(1 / size, *own_normal);
+    }
+    const double cosine = dot(*own_normal, normal);
+    if (cosine > same_side) continue;
+    const bool is_nearer = !nearest || close.distance < nearest->distance - level * edge_;
+    if (!is_nearer && cosine >= facing) continue;
+    if (is_behind_material(close, at)) continue;
+    nearest = &close;
+    facing = cosine;
+  }
+  if (nearest) add_pair(p, *nearest, moving);
+}
+
+/// Unless the point and its triangle hardly move relative to each other, or none of their vertices
+/// moves.
+void PointPairs::add_pair(Index p, const Close& close, const LiveMask* moving) {
   const std::size_t first = vertices_.size();
   add(p, 1);
   for (std::size_t i = 0; i < 3; ++i)
-    if (weights[i] != 0) add(points_.triangles()[nearest][i], -weights[i]);
+    if (close.weights[i] != 0) add(points_.triangles()[close.triangle][i], -close.weights[i]);
+  const Vec3& normal = plane(close.triangle).normal;
+  const Vec3 along = minus(minus(place(p), close.foot), scaled(close.gap, normal));
+  const bool is_beside = norm(along) > level * edge_;
   double lever = 0;
   for (std::size_t i = first; i < weights_.size(); ++i) lever += std::abs(weights_[i]) / 2;
   const auto moves = [&](Index v) { return !moving || (*moving)[v]; };
   if (lever >= least_lever &&
       std::any_of(vertices_.begin() + std::ptrdiff_t(first), vertices_.end(), moves))
-    return pairs_.push_back({first, vertices_.size(), p, nearest, towards, lever});
+    return pairs_.push_back(
+        {first, vertices_.size(), p, close.triangle, normal, lever, is_beside});
   vertices_.resize(first);
   weights_.resize(first);
 }
@@ -209,16 +273,16 @@ void PointPairs::add(Index point, double weight) {
 
 double PointPairs::lacking(std::size_t i, const Vec3& offset, const Vec3& velocity,
                            double dt) const {
-  const auto& [first, end, point, triangle, normal, lever] = pairs_[i];
+  const Vec3& normal = pairs_[i].normal;
   const double gap = dot(normal, offset), before = gap - dt * dot(normal, velocity);
   const double target =
-      before < 0 ? before + std::min(-recovered * before, max_recovery * lever * edge_) : 0;
+      before < 0 ? before + std::min(-recovered * before, max_recovery * scale_of_recovery(i)) : 0;
   return target - gap;
 }
 
 PointPairs::Change PointPairs::change(std::size_t i, const Vec3& offset, const Vec3& velocity,
                                       unsigned fixed, double dt) const {
-  const auto& [first, end, point, triangle, normal, lever] = pairs_[i];
+  const Vec3& normal = pairs_[i].normal;
   const double speed = dot(normal, velocity), way = lacking(i, offset, velocity, dt);
   if (!(way > 0)) return {};
   const auto free_part = [&](Vec3 a) {

@@ -48,9 +48,9 @@ void PointPushes::add(const ContactPoint& point) {
   sweeps_.add(point, masses);
 }
 
-void PointPushes::find_pairs() {
+void PointPushes::find_pairs(double back) {
   first_pair_ = step_.pushed.size();
-  pairs_->find(step_.moving);
+  pairs_->find(back, step_.moving);
   pair_tangential_.assign(pairs_->size(), {});
   for (std::size_t i = 0; i < pairs_->size(); ++i) {
     add((*pairs_)[i]);

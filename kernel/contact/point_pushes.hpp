@@ -61,8 +61,9 @@ class PointPushes {
   }
   /// Call before it is added to those pushed.
   void add(const ContactPoint& point);
-  /// Adds the pairs of points and triangles, after the points near obstacles.
-  void find_pairs();
+  /// Adds the pairs of points and triangles where they were `back` seconds ago (PointPairs::find),
+  /// after the points near obstacles.
+  void find_pairs(double back);
   void push(double dt);
   /// All is as before the first push() of the step.
   void release();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -396,6 +397,63 @@ TEST(BladeContact, ACompliantToolPushesAnUncutSurfaceAsOneOfWholeElements) {
   EXPECT_GT(norm(other.simulation.contact()->loads()[1].force), 10);
   EXPECT_LT(norm(minus(a.hand_force, b.hand_force)), 1e-6 * norm(b.hand_force));
   EXPECT_LT(norm(minus(a.pose.translation, b.pose.translation)), 1e-8);
+}
+
+/// One or two planes, at random, through a body at rest without loads.
+Scene cut_at_rest(std::mt19937& random) {
+  std::uniform_real_distribution<double> any_part(0.1, 0.9);
+  std::normal_distribution<double> any_direction;
+  const Index length = random() % 2 + 1;
+  Scene scene = block(tree_plugins(), "tm-faure", {1. * length, 1, 1}, {length, 1, 1},
+                      {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}});
+  scene.contact.pieces = true;
+  const int cuts = random() % 2 == 0 ? 1 : 2;
+  for (int i = 0; i < cuts; ++i) {
+    Vec3 point, normal;
+    for (double& c : point) c = any_part(random);
+    for (double& c : normal) c = any_direction(random);
+    point[0] *= length;
+    scene.events.push_back(divide(point, normal));
+    scene.events.back().at = 0.02 * i;
+  }
+  return scene;
+}
+
+TEST(BladeContact, NothingMovesWhereABodyAtRestIsCut) {
+  double largest = 0;
+  for (unsigned seed = 0; seed < 80; ++seed) {
+    std::mt19937 random(seed);
+    SlabRun run(cut_at_rest(random));
+    run.simulation.run_to(0.5, run.nobody);
+    EXPECT_GT(run.islands(), 1u) << seed;
+    const EnergyBalance e = run.simulation.built().dynamics().balance();
+    largest = std::max({largest, e.kinetic, e.elastic});
+    EXPECT_LT(largest, 1e-15) << "J, seed " << seed;
+  }
+}
+
+/// Two blocks of 1 m and 1000 kg, one on the other. With elements as large as the blocks, the upper
+/// one is pressed into the lower one by a tenth of an edge in a step before contact acts.
+TEST(BladeContact, ABlockStaysOnTheOneBelow) {
+  for (const Index n : {1u, 2u})
+    for (const double height : {1., 1.1}) {
+      Scene scene = block(tree_plugins(), "tm-faure", {1, 1, 2}, {n, n, 2 * n},
+                          {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}});
+      scene.gravity = {0, 0, -9.8};
+      hold(scene, at({any, any, 0}), 7);
+      scene.contact.pieces = true;
+      scene.contact.friction = 0.5;
+      scene.solver.damping = 10;
+      scene.events = {divide({0.5, 0.5, height}, {0, 0, 1})};
+      SlabRun run(scene);
+      run.simulation.run_to(2, run.nobody);
+      EXPECT_LT(norm(run.momentum()), 0.01 * 9800) << n << " elements, cut at " << height;
+      double top = 0;
+      for (Index v = 0; v < run.attributes().vertex_count(); ++v)
+        if (run.attributes().rest().get(v, 2) > 2 - 1e-9)
+          top = std::max(top, run.attributes().position().get(v, 2));
+      EXPECT_GT(top, 1.6) << n << " elements, cut at " << height;
+    }
 }
 
 // A disc leaves a slit that ends inside, where both lips depend on the same vertices; a plane

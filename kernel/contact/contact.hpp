@@ -102,6 +102,9 @@ class Contact final : public ContactLaw {
   PieceContact* pieces() { return pieces_.get(); }
   /// Those of an embedded surface, where its points are now; null without them.
   const PointPairs* find_point_pairs();
+  bool has_point_pairs() const { return pairs_.has_value(); }
+  /// As they were found last; null without them.
+  const PointPairs* point_pairs() const { return pairs_ ? &*pairs_ : nullptr; }
   /// The coefficient of lips and pieces.
   double friction_of_pieces() const {
     return pieces_ ? pieces_->friction() : pairs_ ? pairs_->friction() : 0;

@@ -5,18 +5,27 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <sstream>
 #include <string>
 #include <tuple>
 #include <utility>
 
+#include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/solvers/links.hpp"
 
 namespace suture {
 namespace {
 
-// A part of the bound on the stiffness of the body at a vertex: with less, more updates, with
+// In multiples of the bound on the stiffness of the body at a vertex: with less, more updates, with
 // more, more iterations of linear solvers.
-constexpr double stiffening = 4;
+constexpr double stiffening_of_equilibria = 4, stiffening_of_steps = 1;
+// The part of an edge by which a depth comes back in a step.
+constexpr double eased = 0.0005;
+// After so many updates, a step of a motion is taken if no gap is more than this part of an edge
+// off its target, and after so many refused if one is.
+constexpr unsigned enough_updates = 12, most_updates = 30;
+constexpr double gap_allowed = 0.01;
 // Cosine of an angle between the normals of a contact before and after an update.
 constexpr double same_direction = 0.95;
 // A contact with a force stays until its point has left the place where it was found by more, in
@@ -33,7 +42,7 @@ Vec3 along_surface(const Vec3& a, const Vec3& normal) {
 
 MultiplierForces::MultiplierForces(Contact& contact, Attributes& attributes, BoundedTerm& models,
                                    bool is_static)
-    : ContactTerm(contact, attributes, models, stiffening), is_static_(is_static) {
+    : ContactTerm(contact, attributes, models, 1), is_static_(is_static) {
   resize();
 }
 
@@ -67,11 +76,27 @@ void MultiplierForces::Push::add(const Vec3& force, Number* rows, std::size_t wi
       rows[width * vertices[i] + c] += static_cast<Number>(weights[i] * force[c]);
 }
 
+double MultiplierForces::stiffening() const {
+  return is_static_ ? stiffening_of_equilibria : stiffening_of_steps;
+}
+
+/// The gap that the equations reach, for one of a stiffness of the body and a mass: negative where
+/// it was negative at the start of the step. Between two steps, what is deep stays as it is.
+double MultiplierForces::target(double gap, double start_gap, double stiffness, double mass,
+                                double recovery, double time) const {
+  if (is_static_) return 0;
+  if (start_.empty()) return std::min(0.0, gap);
+  const double dt = time - start_time_;
+  if (!(start_gap < 0)) return 0;
+  const double steps = mass > 0 ? dt * std::sqrt(stiffness / mass) : 1;
+  return std::min(0.0, start_gap + eased * recovery * std::clamp(steps, 0.0, 1.0));
+}
+
 /// What inertia adds to the stiffness of the equations of a step: multipliers would converge slowly
 /// without it.
 double MultiplierForces::stiffness_per_mass(double time) const {
   const double dt = time - start_time_;
-  return is_static_ || start_.empty() || !(dt > 0) ? 0 : stiffening / (dt * dt);
+  return is_static_ || start_.empty() || !(dt > 0) ? 0 : stiffening() / (dt * dt);
 }
 
 /// visit(push) for everything that is pushed, and between equilibria for what touches without a
@@ -80,26 +105,43 @@ double MultiplierForces::stiffness_per_mass(double time) const {
 /// they move away, as lips often touch without a force.
 template <class Visit>
 void MultiplierForces::for_each_push(double time, Visit visit) {
+  if (!is_listed(time)) list_pushes(time);
+  for (const Push& push : listed_) visit(push);
+}
+
+/// At these positions: linear solvers ask for the same pushes in each of their iterations.
+bool MultiplierForces::is_listed(double time) const {
+  const double* x = attributes_.position().rows();
+  return is_listed_ && time == listed_time_ && std::equal(listed_at_.begin(), listed_at_.end(), x);
+}
+
+void MultiplierForces::list_pushes(double time) {
   find_stiffness(time);
-  for_each_push_of_obstacles(time, visit);
+  listed_.clear();
+  list_pushes_of_obstacles(time);
   const double per_mass = stiffness_per_mass(time);
   for (Pair& pair : pairs_) {
-    const double stiffness = pair.stiffness + per_mass * pair.mass;
+    const double stiffness = stiffening() * pair.stiffness + per_mass * pair.mass;
     Push push{
-        &pair, Contact::between_pieces, pair.vertices, pair.weights, pair.normal, stiffness, 0, 0};
+        &pair, Contact::between_pieces, pair.vertices, pair.weights, pair.normal, stiffness, 0, 0,
+        0};
     const Vec3 offset = push.sum(attributes_.position().rows(), 4);
     push.gap = dot(pair.normal, offset);
-    push.pressure = std::max(0.0, pair.pressure - stiffness * push.gap);
+    push.target = target_of(pair, time);
+    push.pressure = std::max(0.0, pair.pressure - stiffness * (push.gap - push.target));
     if (!has_force(push) && (!is_static_ || pair.pressure != 0 || push.gap > pair.first_gap))
       continue;
     if (!start_.empty())
       add_friction(push, contact_.friction_of_pieces(), minus(offset, push.sum(start_.data(), 4)));
-    visit(push);
+    listed_.push_back(push);
   }
+  const double* x = attributes_.position().rows();
+  listed_at_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
+  listed_time_ = time;
+  is_listed_ = true;
 }
 
-template <class Visit>
-void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
+void MultiplierForces::list_pushes_of_obstacles(double time) {
   const double *x = attributes_.position().rows(), *fixed = attributes_.fixed().rows(),
                *mass = attributes_.mass().rows();
   const double per_mass = stiffness_per_mass(time);
@@ -107,8 +149,9 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
   for (std::size_t i = 0; i < contact_.obstacles().size(); ++i) {
     const Obstacle& obstacle = contact_.obstacles()[i];
     if (!obstacle.pushes) continue;
-    const PlacedObstacle placed(obstacle, contact_.thickness(), start_.empty() ? time : start_time_,
-                                time);
+    const double start_time = start_.empty() ? time : start_time_;
+    const PlacedObstacle placed(obstacle, contact_.thickness(), start_time, time);
+    const PlacedObstacle at_start(obstacle, contact_.thickness(), start_time, start_time);
     of_obstacles_[i].resize(contact_.points().count());
     contact_.points().for_each([&](const ContactPoint& point) {
       Multiplier& last = of_obstacles_[i][point.number];
@@ -118,10 +161,19 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
           (last.pressure == 0 && !side && !placed.may_meet(start, place, touching)))
         return;
       const Nearest nearest = side ? placed.gap_from(*side, place) : placed.gap(start, place);
-      const double stiffness = stiffness_of(point) + per_mass * point.in_series(mass, fixed);
-      const double pressure = std::max(0.0, last.pressure - stiffness * nearest.distance);
-      Push push{&last,          i,         point.vertices,   point.weights,
-                nearest.normal, stiffness, nearest.distance, pressure};
+      const double of_body = stiffness_of(point), moved = point.in_series(mass, fixed);
+      const double stiffness = stiffening() * of_body + per_mass * moved;
+      Push push{
+          &last, i, point.vertices, point.weights, nearest.normal, stiffness, nearest.distance,
+          0,     0};
+      if (nearest.distance < 0 || last.pressure > 0) {
+        if (!is_static_) {
+          const Nearest first = side ? at_start.gap_from(*side, start) : at_start.gap(start);
+          push.target =
+              target(push.gap, first.distance, of_body, moved, contact_.mean_edge(), time);
+        }
+        push.pressure = std::max(0.0, last.pressure - stiffness * (push.gap - push.target));
+      }
       push.point = point.number;
       if (!has_force(push) && (!is_static_ || last.pressure != 0 || nearest.distance >= touching))
         return;
@@ -129,7 +181,7 @@ void MultiplierForces::for_each_push_of_obstacles(double time, Visit visit) {
       if (!start_.empty())
         add_friction(push, obstacle.friction,
                      minus(minus(place, start), placed.displacement(place)));
-      visit(push);
+      listed_.push_back(push);
     });
   }
 }
@@ -186,6 +238,7 @@ void MultiplierForces::add_forces_in_step(const StepTimes& step, const LiveMask&
   add_forces(step.time, live, forces.data());
   for (std::size_t i = 0; i < forces.size(); ++i) rows[i] += forces[i];
   contact_.record(forces_at(step.time), step.time, has_step_ ? heat(step.time) : 0);
+  is_listed_ = false;  // sides may be others
   if (!last_force_.empty()) book_work(forces, step.last);
   const double *x = attributes_.position().rows(), *v = attributes_.velocity().rows();
   last_position_.assign(x, x + forces.size());
@@ -301,30 +354,44 @@ Vec3 MultiplierForces::offset_of(const Pair& pair) const {
   return sum;
 }
 
+/// Along its normal, at the start of the step.
+double MultiplierForces::start_gap_of(const Pair& pair) const {
+  if (start_.empty()) return 0;
+  Vec3 sum{};
+  for (std::size_t i = 0; i < pair.vertices.size(); ++i)
+    sum = plus(sum, scaled(pair.weights[i], row(start_.data(), pair.vertices[i])));
+  return dot(sum, pair.normal);
+}
+
+double MultiplierForces::target_of(const Pair& pair, double time) const {
+  const double gap = start_.empty() ? dot(pair.normal, offset_of(pair)) : 0;
+  return target(gap, pair.start_gap, pair.stiffness, pair.mass, pair.recovery, time);
+}
+
 /// Replaces the pairs; those of the same vertex or edge in about the same direction pass their
 /// multipliers on. In inner corners, where faces are equally near, rounding decides which of them
-/// is found: contacts with a force stay. Returns by how much contacts change, m: gaps, the way of
-/// the point where they act, and what the force of those that end pushed in.
-double MultiplierForces::take_over(Pairs found) {
+/// is found: contacts with a force stay.
+MultiplierForces::Change MultiplierForces::take_over(Pairs found, double time) {
   const auto is_before = [](const Pair& a, const Pair& b) { return is_found_before(a.key, b.key); };
   const auto stays = [&](const Pair& pair) {
     const Vec3 way = minus(along_surface(offset_of(pair), pair.normal), pair.beside);
     return norm(way) < kept_within * contact_.mean_edge();
   };
-  double largest = 0;
+  Change largest;
   std::size_t first = 0;
   for (Pair& pair : found) {
     while (first < pairs_.size() && is_before(pairs_[first], pair)) ++first;
     const Vec3 offset = offset_of(pair);
-    const double gap = dot(pair.normal, offset);
+    pair.start_gap = start_gap_of(pair);
+    const double gap = dot(pair.normal, offset) - target_of(pair, time);
     pair.beside = along_surface(offset, pair.normal);
-    largest = std::max(largest, -gap);
+    largest.depth = std::max(largest.depth, -gap);
     for (std::size_t i = first; i < pairs_.size() && !is_before(pair, pairs_[i]); ++i) {
       Pair& before = pairs_[i];
       if (before.pressure == 0 || dot(before.normal, pair.normal) < same_direction) continue;
       if (before.key != pair.key && stays(before)) continue;
       static_cast<Multiplier&>(pair) = std::exchange(static_cast<Multiplier&>(before), {});
-      largest = std::max({largest, gap, norm(minus(offset, offset_of(before)))});
+      largest.other = std::max({largest.other, gap, norm(minus(offset, offset_of(before)))});
       break;
     }
   }
@@ -333,10 +400,11 @@ double MultiplierForces::take_over(Pairs found) {
     if (stays(before))
       found.push_back(before);
     else
-      largest = std::max(largest, before.pressure / before.stiffness);
+      largest.other = std::max(largest.other, before.pressure / (stiffening() * before.stiffness));
   }
   std::ranges::stable_sort(found, is_before);
   pairs_ = std::move(found);
+  is_listed_ = false;
   return largest;
 }
 
@@ -351,18 +419,22 @@ void MultiplierForces::improve(double time) {
   for (std::vector<Multiplier>& of : of_obstacles_) std::ranges::fill(of, Multiplier{});
   for (Multiplier& of : pairs_) of = {};
   for (const auto& [multiplier, value] : next) *multiplier = value;
+  is_listed_ = false;
 }
 
 void MultiplierForces::return_to_accepted() {
   of_obstacles_ = accepted_of_obstacles_;
   pairs_ = accepted_pairs_;
   bounds_stay_ = accepted_bounds_stay_;
+  is_listed_ = false;
 }
 
 /// Again at the same time, if equations of the step had no solution: with the multipliers and the
 /// positions at its start.
 void MultiplierForces::begin_step(double time) {
   support_ = 1;
+  updates_ = 0;
+  gap_left_ = 0;
   return_to_accepted();
   improve(time);
   bounds_stay_ = false;
@@ -372,21 +444,27 @@ void MultiplierForces::begin_step(double time) {
     start_.assign(x, x + std::size_t{attributes_.vertex_count()} * 4);
     start_time_ = time;
   }
-  take_over(find_pairs(time));
+  take_over(find_pairs(time), time);
+  note_places();
   for (Pair& pair : pairs_) {
-    const double gap = dot(pair.normal, offset_of(pair));
+    const double gap = pair.start_gap = dot(pair.normal, offset_of(pair));
     if (gap < tolerance * contact_.mean_edge()) pair.first_gap = gap;
   }
+  is_listed_ = false;
 }
 
 void MultiplierForces::reject_step() {
   support_ = 1;
   return_to_accepted();
   if (last_start_) std::tie(start_, start_time_) = *std::exchange(last_start_, {});
+  is_listed_ = false;
 }
 
 void MultiplierForces::begin_iteration(unsigned number, double time) {
-  if (number > 0) support_ *= fading;
+  if (number > 0) {
+    support_ *= fading;
+    is_listed_ &= !is_static_;  // nothing without a force is listed in a motion
+  }
   regimes_.begin(number);
   for_each_push(time, [&](const Push& push) {
     if (push.pressure > 0) regimes_.note(push.obstacle, push.vertices.front(), push.holding < 1);
@@ -397,30 +475,63 @@ void MultiplierForces::begin_iteration(unsigned number, double time) {
 /// With Coulomb's law, the bound of friction follows the pressure, and there is no energy that a
 /// line search could decrease. With the bound of the last update (that of Tresca), there is one.
 bool MultiplierForces::simplify() {
+  is_listed_ = false;
   return !is_conservative(start_time_) && !std::exchange(bounds_stay_, true);
 }
 
 /// True if the equations have to be solved again. Otherwise nothing changes: the forces are those
 /// that are in balance.
 bool MultiplierForces::update(double time) {
-  refuse_long_ways(time);
-  double largest = 0;
+  const double edge = contact_.mean_edge();
+  double off = 0, other = 0;
   for_each_push(time, [&](const Push& push) {
     const double change = norm(minus(push.friction, push.last->friction)) / push.stiffness;
-    largest = std::max({largest, std::abs(push.gap), push.holding < 1 ? 0 : change});
+    off = std::max(off, std::abs(push.gap - push.target));
+    other = std::max(other, push.holding < 1 ? 0 : change);
   });
   const OfObstacles of_obstacles = of_obstacles_;
   const Pairs pairs = pairs_;
   improve(time);
-  largest = std::max(largest, take_over(find_pairs(time)));
-  if (largest > tolerance * contact_.mean_edge()) return true;
+  const Change taken = take_over(find_pairs(time), time);
+  refuse_crossings(time);
+  note_places();
+  off = std::max(off, taken.depth);
+  ++updates_;
+  const bool is_settled = std::max({off, other, taken.other}) <= tolerance * edge;
+  const bool is_enough = !is_static_ && updates_ > enough_updates && off <= gap_allowed * edge;
+  if (!is_settled && !is_enough) {
+    if (!is_static_ && updates_ > most_updates) refuse_gap(off, time);
+    return true;
+  }
+  gap_left_ = is_settled ? 0 : off;
+  updates_ = 0;
   of_obstacles_ = of_obstacles;
   pairs_ = pairs;
+  is_listed_ = false;
   return false;
+}
+
+void MultiplierForces::refuse_gap(double off, double time) const {
+  std::ostringstream text;
+  text << "contact does not settle at " << time_text(time) << ": after " << most_updates
+       << " updates of its forces, a gap is " << off << " m off, which is "
+       << off / contact_.mean_edge() << " of a typical edge; " << gap_allowed << " is allowed";
+  throw NumericalError(text.str());
+}
+
+/// On steps whose contacts did not settle; none: all did.
+std::string MultiplierForces::note() const {
+  if (inexact_steps_ == 0) return "";
+  std::ostringstream text;
+  text << "contact did not settle to its tolerance in " << inexact_steps_ << " of "
+       << count_text(accepted_steps_, "step") << ": the largest gap left is " << largest_gap_left_
+       << " m, " << largest_gap_left_ / contact_.mean_edge() << " of a typical edge";
+  return text.str();
 }
 
 bool MultiplierForces::hold(double time) {
   support_ = 0;
+  is_listed_ = false;
   bool is_whole = true;
   for_each_push(time, [&](const Push& push) {
     if (push.pressure > 0)
@@ -442,6 +553,9 @@ void MultiplierForces::accept() {
   accepted_bounds_stay_ = bounds_stay_;
   last_start_.reset();
   has_step_ = true;
+  ++accepted_steps_;
+  if (gap_left_ > 0) ++inexact_steps_;
+  largest_gap_left_ = std::max(largest_gap_left_, gap_left_);
 }
 
 void MultiplierForces::forget_last() {
@@ -466,6 +580,7 @@ void MultiplierForces::follow(const CellComplex& complex, const TopologyChange&)
   start_.clear();
   last_start_.reset();
   found_at_.clear();
+  is_listed_ = false;
   forget_last();
 }
 

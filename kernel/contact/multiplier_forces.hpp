@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -16,10 +18,25 @@
 //
 //   solve the equations  ->  l = p, t = q  ->  solve again  ->  ...  until gaps < 1e-4 of an edge
 //
-// The stiffness k is 4 times the bound on that of the body, plus 4 m / dt^2 in steps. Without the
-// second part, impacts do not settle in 50 updates, with any dt. A block of the diagonal takes k
+// The stiffness k is s times the bound on that of the body, plus s m / dt^2 in steps. Without the
+// second part, impacts do not settle in 50 updates, with any dt. In equilibria s is 4, in steps 1:
+// there are more updates, but fewer iterations of linear solvers. A block of the diagonal takes k
 // up in every preconditioner. Between pieces it is that of springs in series, 1/k = sum w^2/k_v
 // over the vertices that move, plus that of the masses in the same way: the softer side rules.
+//
+// A depth that exists at the start of a step of a motion stays, and comes back slowly: gaps are
+// those beyond a target of
+//   min(0, gap at the start + c),   c = 0.0005 lever edge min(1, dt sqrt(k_body / m))
+// Points are found deep at once where edges slide past each other, where a cut makes points inside
+// of an obstacle, and where a lip is taken for another one. A step that took such a depth d back
+// at once would do the work m (d / dt)^2 / 2, which throws other points out of their contacts and
+// into others: half of dt made it four times as much. With c, the speed is at most 0.0005 of that
+// of waves, for any dt. A larger c (0.02, or 0.002 per step) feeds contacts that are not real with
+// energy. In equilibria the target is 0.
+//
+// Contacts of a step may not settle: in corners, points alternate between two triangles. A step is
+// taken if after 12 updates no gap is more than 0.01 of an edge off its target; the largest such
+// gap of a run is reported. If after 30 updates one is larger, half of dt follows.
 //
 // - Within a solve, vertices, weights and normals stay. Gaps are linear and only pressures change,
 //   so nothing chatters.
@@ -41,9 +58,10 @@
 //   time.
 // - Free pieces get no regularisation: a stiffness from nowhere would give a wrong answer
 //   silently. If there is no equilibrium, the message names the motions that constraints leave.
-// - A step is refused in which places within an edge move by more than 0.3 of an edge relative to
-//   each other (missed_approach.hpp), since contact is found up to 0.3 deep. Load steps or half of
-//   dt follow.
+// - A step is refused in which a point passes a triangle, or one convex edge another, and then has
+// no
+//   contact with it (swept_crossing.hpp): contact is found up to 0.3 of an edge deep. Load steps or
+//   half of dt follow.
 //
 // Friction refers to the sliding since the start of the step. The tangent of sliding friction is
 // not symmetric; that part is left to GMRES. There is no energy then that a line search could
@@ -109,6 +127,7 @@ class MultiplierForces final : public ContactTerm,
   std::optional<Alternation> alternation() const override {
     return regimes_.alternation(contact_.obstacles());
   }
+  std::string note() const override;
   bool update(double time) override;
   /// False with friction, and between pieces: the faces that touch turn with the body.
   bool hold(double time) override;
@@ -133,6 +152,8 @@ class MultiplierForces final : public ContactTerm,
     double mass = 0;        ///< that an impulse along the normal moves, kg
     double first_gap = -1;  ///< at the start of the step, if it touches then, m
     Vec3 beside{};          ///< of the point along the surface where it was found, m
+    double start_gap = 0;   ///< along the normal, at the start of the step, m
+    double recovery = 0;    ///< the length of which a depth comes back by a part in a step, m
   };
   using Pairs = std::vector<Pair>;
   /// A point of the body, the sum of vertices with weights, that something pushes: a point in an
@@ -143,14 +164,14 @@ class MultiplierForces final : public ContactTerm,
     std::span<const Index> vertices;
     std::span<const double> weights;
     Vec3 normal;
-    double stiffness, gap, pressure;  ///< N/m, m, N
-    Index point = none;               ///< of the body, that an obstacle pushes
-    double coefficient = 0;           ///< of friction
-    Vec3 sliding{}, friction{};       ///< m, N
-    double pressing = 1;              ///< -p' / k: 0 where it has let go
-    double holding = 1;               ///< q / its free value: 1 where friction holds
-    Vec3 direction{};                 ///< of friction that slides
-    Curvature curvature{};            ///< of the obstacle
+    double stiffness, gap, target, pressure;  ///< N/m, m, m, N
+    Index point = none;                       ///< of the body, that an obstacle pushes
+    double coefficient = 0;                   ///< of friction
+    Vec3 sliding{}, friction{};               ///< m, N
+    double pressing = 1;                      ///< -p' / k: 0 where it has let go
+    double holding = 1;                       ///< q / its free value: 1 where friction holds
+    Vec3 direction{};                         ///< of friction that slides
+    Curvature curvature{};                    ///< of the obstacle
 
     /// Rows have `width` numbers.
     template <class Number>
@@ -162,23 +183,40 @@ class MultiplierForces final : public ContactTerm,
     Vec3 skew_tangent(const Vec3& d) const;
   };
   std::vector<Contact::Force> forces_at(double time) override;
+  /// In multiples of the bounds on that of the body and of mass / dt^2.
+  double stiffening() const;
+  double target(double gap, double start_gap, double stiffness, double mass, double recovery,
+                double time) const;
   double stiffness_per_mass(double time) const;
   template <class Visit>
   void for_each_push(double time, Visit visit);
-  template <class Visit>
-  void for_each_push_of_obstacles(double time, Visit visit);
+  bool is_listed(double time) const;
+  void list_pushes(double time);
+  void list_pushes_of_obstacles(double time);
   void add_friction(Push& push, double coefficient, const Vec3& way) const;
   bool has_force(Push& push) const;
   void resize();
   Pair pair_of(const std::array<Index, 5>& key, const ContactPoint& offset, const Vec3& normal,
-               double mass) const;
+               double mass, double recovery) const;
   static void state_of(Archive& archive, Pairs& pairs);
   void improve(double time);
   Pairs find_pairs(double time);
   Vec3 offset_of(const Pair& pair) const;
-  double take_over(Pairs found);
+  double start_gap_of(const Pair& pair) const;
+  double target_of(const Pair& pair, double time) const;
+  /// By how much contacts have changed, m.
+  struct Change {
+    double depth = 0;  ///< of what is found, below its target
+    double other = 0;  ///< the way of the points where they act, and what ended forces pushed in
+  };
+  Change take_over(Pairs found, double time);
   void return_to_accepted();  ///< multipliers
-  void refuse_long_ways(double time) const;
+  void note_places();
+  bool has_pair(Index point, const Vec3& normal) const;
+  bool has_pair_of_edges(const std::array<Index, 2>& first,
+                         const std::array<Index, 2>& second) const;
+  void refuse_crossings(double time);
+  [[noreturn]] void refuse_gap(double off, double time) const;
   void book_work(const std::vector<double>& forces, double dt);
   double heat(double time);
 
@@ -195,6 +233,16 @@ class MultiplierForces final : public ContactTerm,
   ContactRegimes regimes_;
   double work_ = 0;
   bool has_step_ = false;  ///< whose friction is not booked yet
+  // All pushes, where they were looked for last:
+  std::vector<Push> listed_;
+  std::vector<double> listed_at_;  ///< positions, rows of 4
+  double listed_time_ = 0;
+  bool is_listed_ = false;  ///< and nothing else has changed
+  unsigned updates_ = 0;    ///< since the step began
+  // Of steps that were taken with a gap above the tolerance:
+  double gap_left_ = 0;          ///< in the step in progress, m; 0: it settled
+  double largest_gap_left_ = 0;  ///< m
+  std::uint64_t inexact_steps_ = 0, accepted_steps_ = 0;
   // At the end of the last step, for its work: rows of 4; empty: no step yet.
   std::vector<double> last_force_, last_position_, last_velocity_;
 };

@@ -22,6 +22,8 @@ void MultiplierForces::state_of(Archive& archive, Pairs& pairs) {
   archive.member("beside", pairs, &Pair::beside);
   archive.member("stiffnesses", pairs, &Pair::stiffness);
   archive.member("masses", pairs, &Pair::mass);
+  archive.member("start gaps", pairs, &Pair::start_gap);
+  archive.member("recoveries", pairs, &Pair::recovery);
   archive.member("pressures", pairs, &Pair::pressure);
   archive.member("friction", pairs, &Pair::friction);
   if (!archive.loads()) return;
@@ -49,6 +51,9 @@ void MultiplierForces::state(Archive& archive) {
   archive("start time", start_time_);
   archive("work", work_);
   archive("has step", has_step_);
+  archive("largest gap left", largest_gap_left_);
+  archive("inexact steps", inexact_steps_);
+  archive("accepted steps", accepted_steps_);
   archive("last force", last_force_);
   archive("last position", last_position_);
   archive("last velocity", last_velocity_);

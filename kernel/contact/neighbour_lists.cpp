@@ -58,7 +58,7 @@ bool NeighbourLists::find_what_may_meet() {
     meeting_.face_meets_own[i] = true;
     for (const Index v : surface_.corners()[i]) meeting_.vertex_meets_own[v] = true;
   }
-  edges_ = feature_edges(complex_, surface_, attributes_.rest().rows());
+  edges_ = suture::feature_edges(complex_, surface_, attributes_.rest().rows());
   return has_lips || self_ || islands_.existing() > 1;
 }
 
@@ -101,6 +101,20 @@ bool NeighbourLists::is_behind_at_rest(const NearPair& pair) const {
   const Patch::Foot foot =
       patch_of(surface_.corners()[pair.face], rest).foot(row(rest, pair.vertex));
   return norm(foot.offset) < thin * edge_ && dot(foot.offset, foot.normal) < -level * edge_;
+}
+
+bool NeighbourLists::may_meet(const NearPair& pair) const {
+  const BoundarySurface::Corners& corners = surface_.corners()[pair.face];
+  if (meeting_.piece_of[pair.vertex] != meeting_.piece_of[corners[0]]) return true;
+  return meeting_.face_meets_own[pair.face] && meeting_.vertex_meets_own[pair.vertex] &&
+         std::ranges::find(corners, pair.vertex) == corners.end() && !is_behind_at_rest(pair);
+}
+
+bool NeighbourLists::may_meet(const NearEdges& pair) const {
+  const std::array<Index, 2>&a = edges_[pair.first].ends, &b = edges_[pair.second].ends;
+  if (meeting_.piece_of[a[0]] != meeting_.piece_of[b[0]]) return true;
+  const bool have_common_end = std::ranges::find_first_of(a, b) != a.end();
+  return self_ && !have_common_end && !are_near_at_rest(pair);
 }
 
 void NeighbourLists::find_edge_pairs(const double* positions, const LiveMask& moving) {

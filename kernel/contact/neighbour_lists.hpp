@@ -53,6 +53,12 @@ class NeighbourLists {
   /// False if there is only one piece, without lips, that does not touch itself.
   bool may_meet() const { return may_meet_; }
 
+  /// All of the boundary.
+  std::span<const FeatureEdge> feature_edges() const { return edges_; }
+  /// Whether these may touch wherever they are; numbered as in the boundary and in feature_edges().
+  bool may_meet(const NearPair& pair) const;
+  bool may_meet(const NearEdges& pair) const;
+
   // The lists number vertices, faces and edges by their places here: what is near is a small part
   // of the body, and lies together.
 

@@ -95,6 +95,12 @@ class PieceContact {
   static constexpr double max_depth = 0.3;
   /// False if there is only one piece, without lips, that does not touch itself.
   bool may_meet() const { return lists_.may_meet(); }
+  /// Of the boundary, since begin().
+  std::span<const FeatureEdge> feature_edges() const { return lists_.feature_edges(); }
+  /// Whether a vertex and a face of the boundary, or two of these edges, touch each other where they
+  /// meet; after begin().
+  bool may_touch(const NearPair& pair) const { return lists_.may_meet(pair); }
+  bool may_touch(const NearEdges& pair) const { return lists_.may_meet(pair); }
 
   using Touch = PieceTouch;
   /// Finds the contacts where a free step, which has been made, and the forces of the last one

@@ -249,8 +249,7 @@ void PointPairs::add_pair(Index p, const Close& close, const LiveMask* moving) {
   const auto moves = [&](Index v) { return !moving || (*moving)[v]; };
   if (lever >= least_lever &&
       std::any_of(vertices_.begin() + std::ptrdiff_t(first), vertices_.end(), moves))
-    return pairs_.push_back(
-        {first, vertices_.size(), p, close.triangle, normal, lever, is_beside});
+    return pairs_.push_back({first, vertices_.size(), p, close.triangle, normal, lever, is_beside});
   vertices_.resize(first);
   weights_.resize(first);
 }

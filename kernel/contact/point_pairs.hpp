@@ -22,15 +22,17 @@
 // sliding.
 //
 // Which triangle a point touches:
-// - The nearest one that looks at the point: the sum of the normals at the point, weighted by angles,
+// - The nearest one that looks at the point: the sum of the normals at the point, weighted by
+// angles,
 //   is at more than 78 degrees from the normal of the triangle. With areas as weights, large outer
 //   faces hid the lip at whose rim a point lies.
 // - A triangle through which the point cannot have come does not count: where the way from the
 //   triangle to the point leaves the material behind the triangle again, the point is outside.
 //   Without this rule, a point on the lip of a thin wedge was pushed out of the face behind it.
-// - A point beside a triangle, near its rim, touches it, but an earlier depth does not come back: the
-//   point is not inside. With both rules, nothing moves where random planes cut a body at rest (3,000
-//   of 3,000 cubes and bars); before, 8 of 40 moved, with up to 66 J.
+// - A point beside a triangle, near its rim, touches it, but an earlier depth does not come back:
+// the
+//   point is not inside. With both rules, nothing moves where random planes cut a body at rest
+//   (3,000 of 3,000 cubes and bars); before, 8 of 40 moved, with up to 66 J.
 // - In explicit steps pairs are those at the start of the step. At its end without contact, blocks
 //   that lie on each other are in each other by p / M edges, p the pressure and M the modulus: with
 //   coarse elements, by more than the depth at which pairs are given up.
@@ -66,10 +68,10 @@ class PointPairs {
   /// places now alone, not on when pairs were last sought: a resumed run takes the same steps.
   std::span<const Index> near_points() const { return near_points_; }
 
-  /// Finds the pairs that may touch where the points were `back` seconds ago (s), by their positions
-  /// and velocities now (SurfacePoints::gather). In each step a pass over the surface; a search when
-  /// a point has moved by an eighth of an edge.
-  /// `moving`: vertices; pairs of which none moves are left out. Null: all.
+  /// Finds the pairs that may touch where the points were `back` seconds ago (s), by their
+  /// positions and velocities now (SurfacePoints::gather). In each step a pass over the surface; a
+  /// search when a point has moved by an eighth of an edge. `moving`: vertices; pairs of which none
+  /// moves are left out. Null: all.
   ///
   /// At the end of an explicit step without contact, pieces that press on each other are in each
   /// other by about the part of an edge that the pressure is of their modulus, which may be too
@@ -82,16 +84,18 @@ class PointPairs {
   /// The offset of the point of pair i from its triangle.
   ContactPoint operator[](std::size_t i) const {
     const Pair& pair = pairs_[i];
-    return {static_cast<Index>(i),
-            std::span(vertices_).subspan(pair.first, pair.end - pair.first),
+    return {static_cast<Index>(i), std::span(vertices_).subspan(pair.first, pair.end - pair.first),
             std::span(weights_).subspan(pair.first, pair.end - pair.first)};
   }
 
+  const SurfacePoints& surface() const { return points_; }
+  /// Whether a point and a triangle touch each other where they meet; after find().
+  bool may_touch(Index point, Index triangle) const;
   Index point(std::size_t i) const { return pairs_[i].point; }
   Index triangle(std::size_t i) const { return pairs_[i].triangle; }
   const Vec3& normal(std::size_t i) const { return pairs_[i].normal; }
-  /// By how much an earlier depth of pair i may come back in a step, m: in proportion to how far its
-  /// vertices move for it, and not at all where the point lies beside the triangle. It is then
+  /// By how much an earlier depth of pair i may come back in a step, m: in proportion to how far
+  /// its vertices move for it, and not at all where the point lies beside the triangle. It is then
   /// outside of the piece, and only near its rim.
   double scale_of_recovery(std::size_t i) const {
     return pairs_[i].is_beside ? 0 : pairs_[i].lever * edge_;
@@ -139,7 +143,6 @@ class PointPairs {
   void find_triangles_at_points();
   bool has_moved();
   void find_near();
-  bool may_touch(Index point, Index triangle) const;
   /// That of a triangle.
   struct Plane {
     Vec3 normal;     ///< of unit length; 0 of a triangle without an area

@@ -13,9 +13,9 @@
 namespace suture {
 namespace {
 
-// In typical edges: how far in front of a plane a point may begin behind it, how far beside a
+// In typical edges: how far in front of a plane a point may begin behind it, how far beside_when_passing a
 // triangle it may pass it, and a cell of the grid.
-constexpr double level = 1e-4, beside = 1e-3, cell = 1;
+constexpr double level_at_start = 1e-4, beside_when_passing = 1e-3, cell_in_edges = 1;
 constexpr int halvings = 50;
 // A place that moves by more edges than these has gone wrong in other ways.
 constexpr double most_stretches = 1000;
@@ -23,7 +23,7 @@ constexpr double most_stretches = 1000;
 class Ways {
  public:
   Ways(const SweptPlaces& places, std::span<const Index> points)
-      : places_(places), cell_(cell * places.edge) {
+      : places_(places), cell_(cell_in_edges * places.edge) {
     for (const Index p : points)
       mean_ = plus(mean_, scaled(1.0 / static_cast<double>(points.size()), way(p)));
   }
@@ -89,17 +89,17 @@ bool passes(const Ways& ways, const std::array<Index, 3>& corners, Index p, doub
             double depth) {
   const auto [a, b, c] = corners;
   if (!(height(ways.end(a), ways.end(b), ways.end(c), ways.end(p)) < -depth)) return false;
-  if (!(height(ways.at(a, 0), ways.at(b, 0), ways.at(c, 0), ways.at(p, 0)) > -level * edge))
+  if (!(height(ways.at(a, 0), ways.at(b, 0), ways.at(c, 0), ways.at(p, 0)) > -level_at_start * edge))
     return false;
   const double t = time_of_plane(ways, {a, b, c, p});
   const Vec3 A = ways.at(a, t), B = ways.at(b, t), C = ways.at(c, t), P = ways.at(p, t);
   const Weights of = nearest_in(A, B, C, P);
   const Vec3 foot = plus(scaled(of.a, A), plus(scaled(of.b, B), scaled(of.c, C)));
-  return norm(minus(P, foot)) < beside * edge;
+  return norm(minus(P, foot)) < beside_when_passing * edge;
 }
 
-/// The distance of the lines of two edges; with its sign, which is that of the volume. 0 if they are
-/// parallel.
+/// The distance of the lines of two edges; with its sign, which is that of the volume. 0 if they
+/// are parallel.
 double distance_of_lines(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 across = cross(minus(b, a), minus(d, c));
   const double size = norm(across);
@@ -121,13 +121,13 @@ bool passes(const Ways& ways, const std::array<Index, 2>& first, const std::arra
   if (!(area > 1e-12 * uu * vv)) return false;
   const double r = (dot(w, u) * vv - dot(w, v) * uv) / area,
                s = (dot(w, u) * uv - dot(w, v) * uu) / area;
-  const double slack = beside * edge / std::sqrt(std::min(uu, vv));
+  const double slack = beside_when_passing * edge / std::sqrt(std::min(uu, vv));
   return std::min({r, s, 1 - r, 1 - s}) > -slack;
 }
 
 /// Stretches of ways in a grid, each at its middle.
 template <std::size_t n>
-PlaceGrid grid_of(const Ways& ways, std::size_t count, auto places_of) {
+PlaceGrid ways_grid(const Ways& ways, std::size_t count, auto places_of) {
   std::vector<PlaceGrid::Entry> entries;
   for (std::size_t i = 0; i < count; ++i) {
     const std::array<Index, n> places = places_of(i);
@@ -148,7 +148,7 @@ std::optional<SweptCrossing> find_passed_triangle(
     const std::function<bool(Index point, Index triangle)>& counts) {
   const Ways ways(places, points);
   PlaceGrid grid =
-      grid_of<1>(ways, points.size(), [&](std::size_t i) { return std::array{points[i]}; });
+      ways_grid<1>(ways, points.size(), [&](std::size_t i) { return std::array{points[i]}; });
   for (Index t = 0; t < triangles.size(); ++t) {
     const std::array<Index, 3>& corners = triangles[t];
     const std::size_t stretches = ways.stretches(corners);
@@ -158,10 +158,9 @@ std::optional<SweptCrossing> find_passed_triangle(
         const Index p = points[i];
         if (std::ranges::find(corners, p) != corners.end()) continue;
         if (passes(ways, corners, p, places.edge, depth) && counts(p, t))
-          return SweptCrossing{
-              {p, corners[0], corners[1], corners[2]},
-              -height(ways.end(corners[0]), ways.end(corners[1]), ways.end(corners[2]),
-                      ways.end(p))};
+          return SweptCrossing{{p, corners[0], corners[1], corners[2]},
+                               -height(ways.end(corners[0]), ways.end(corners[1]),
+                                       ways.end(corners[2]), ways.end(p))};
       }
     }
   }
@@ -174,7 +173,7 @@ std::optional<SweptCrossing> find_passed_edges(
   std::vector<Index> ends;
   for (const auto& edge : edges) ends.insert(ends.end(), edge.begin(), edge.end());
   const Ways ways(places, ends);
-  PlaceGrid grid = grid_of<2>(ways, edges.size(), [&](std::size_t i) { return edges[i]; });
+  PlaceGrid grid = ways_grid<2>(ways, edges.size(), [&](std::size_t i) { return edges[i]; });
   double reach = ways.cell_size();  // of an entry around its middle
   for (const auto& [a, b] : edges)
     reach = std::max(reach, ways.cell_size() + norm(minus(ways.at(b, 0), ways.at(a, 0))));
@@ -187,9 +186,9 @@ std::optional<SweptCrossing> find_passed_edges(
             counts(first, second)) {
           const auto [a, b] = edges[first];
           const auto [c, d] = edges[second];
-          return SweptCrossing{{a, b, c, d},
-                               std::abs(distance_of_lines(ways.end(a), ways.end(b), ways.end(c),
-                                                          ways.end(d)))};
+          return SweptCrossing{
+              {a, b, c, d},
+              std::abs(distance_of_lines(ways.end(a), ways.end(b), ways.end(c), ways.end(d)))};
         }
   }
   return {};

@@ -27,6 +27,8 @@ class NonsmoothTerm {
   virtual bool simplify() = 0;
   /// What has alternated most often since the first iteration, if anything has.
   virtual std::optional<Alternation> alternation() const = 0;
+  /// For the summary of a run: how far solutions were off; empty if there is nothing to say.
+  virtual std::string note() const = 0;
 };
 
 }  // namespace suture

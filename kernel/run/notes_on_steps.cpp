@@ -5,6 +5,8 @@
 #include <sstream>
 
 #include "kernel/base/message_text.hpp"
+#include "kernel/dynamics/motion.hpp"
+#include "kernel/forces/nonsmooth_term.hpp"
 #include "kernel/implicit/newton.hpp"
 
 namespace suture {
@@ -60,6 +62,9 @@ std::vector<std::string> notes_on_steps(Dynamics& dynamics) {
   std::vector<std::string> notes;
   const Newton* newton = dynamics.newton();
   if (newton && !newton->budget_text().empty()) notes.push_back(newton->budget_text());
+  for_each_with<NonsmoothTerm>(dynamics.motion().body().loads(), [&](const NonsmoothTerm& term) {
+    if (const std::string note = term.note(); !note.empty()) notes.push_back(note);
+  });
   if (dynamics.softness() > 0) notes.push_back(note_on_softness(dynamics));
   return notes;
 }

@@ -13,6 +13,24 @@ double work_on(const double* force, const Index* nodes, Index count, Index lane,
   return sum;
 }
 
+/// Where a component of a row is in the data of a column.
+std::size_t place_in(const loops::CellColumn& column, Index row, Index component) {
+  if (column.stride != 0) return std::size_t{row} * column.stride + component;
+  return row / lanes * column.block + component * lanes + row % lanes;
+}
+
+/// New states of lanes that were moved to the front go to their rows; others are there already.
+void return_states(const loops::Job& job, const loops::Worker& worker,
+                   const loops::BatchRows& rows) {
+  for (std::uint32_t i = 0; i < job.cell_column_count; ++i) {
+    const loops::CellColumn& column = job.cell_columns[i];
+    if (column.trial == nullptr) continue;
+    for (std::uint32_t c = 0; c < column.components; ++c)
+      for (std::uint32_t l = 0; l < rows.valid; ++l)
+        column.trial[place_in(column, rows.row[l], c)] = worker.trial_columns[i][c * lanes + l];
+  }
+}
+
 }  // namespace
 
 void ForceLoop::Impl::add_cell_work(Index number, const double* direction, double energy,
@@ -24,6 +42,7 @@ void ForceLoop::Impl::add_cell_work(Index number, const double* direction, doubl
         for_each_batch(job, worker, ranges, [&](suture_batch& batch, const loops::BatchRows& rows) {
           batch.force = worker.results_end - job.node_count * 3 * lanes;
           suture_status status = job.function(worker.context, &batch);
+          return_states(job, worker, rows);
           for (Index l = 0; l < batch.valid; ++l)
             out[rows.row[l]] +=
                 work_on(batch.force, nodes_of(job, rows.row[l]), job.node_count, l, direction);

@@ -235,6 +235,7 @@ void StepControl::check_step(const Notify& notify) {
     throw UnstableStep(text.str());
   }
   if (clock_.step() % guard_steps == 0) check_state(notify);
+  if (watch_.halvings() > 0 && clock_.time() <= latest_failure_time_) watch_.stay(clock_.step());
   watch_.after_step(clock_.step());
 }
 

@@ -90,6 +90,8 @@ class StepWatch {
   void search_for_report();
   /// Call when a step was rejected and the run is back at `step`: dt is halved `halvings` times.
   void roll_back(std::uint64_t step, unsigned halvings);
+  /// Call after a step that has not passed the place of the last failure yet: dt is not doubled.
+  void stay(std::uint64_t step) { clean_since_ = step; }
   unsigned halvings() const { return halvings_; }
 
   /// The stable step, s; with a fixed dt, a known bound on it, or 0.

@@ -76,12 +76,20 @@ void cells_of_table(Archive& archive, Table& table) {
   archive("volumes", table.volumes);
 }
 
+bool has_removed(const CellSet& cells) {
+  for (Index row = 0; row < cells.size(); ++row)
+    if (!cells.is_live(row)) return true;
+  return false;
+}
+
 /// `whole`: not only the states of the model. Other columns of elements are as they were built
-/// unless some were copied: their sums are not summed again.
+/// unless some were copied: their sums are not summed again. Where some were removed, parameters
+/// may have changed since: then those that are left do not agree as all did.
 void columns_of(Archive& archive, const Instance& instance, Table& table, bool whole) {
   if (archive.has_cells()) check_columns(archive, instance, table);
   if (whole) cells_of_table(archive, table);
-  const bool is_built = table.dimension == 3 && !instance.has_copies();
+  const bool is_built =
+      table.dimension == 3 && !instance.has_copies() && !(whole && has_removed(table.cells));
   for (Column& column : table.columns) {
     if (column.has_trial() || (whole && !is_built))
       archive(("column " + column.spec().name).c_str(), column);

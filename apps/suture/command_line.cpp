@@ -482,6 +482,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   try {
     parser.app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
+    for (const std::string& word : parser.app.remaining(true)) fail_with_word(parser.app, word);
     return {.command = TextCommand{innermost(parser.app).help()}};
   } catch (const CLI::CallForVersion& version) {
     return {.command = TextCommand{std::string(version.what()) + "\n"}};

@@ -309,5 +309,24 @@ sim.step()
                        cwd=os.path.dirname(os.path.abspath(__file__)))
 
 
+class Repetitions(unittest.TestCase):
+    def test_are_limited_with_every_integrator(self):
+        """A cube is pressed through itself, which no step can pass."""
+        for integrator in ("xpbd", "symplectic-euler", "implicit-euler"):
+            sim = suture.Simulation({
+                "suture": 2, "mesh": {"box": {"size": [1, 1, 1], "cells": [2, 2, 2]}},
+                "models": [{"model": "neo-hookean", "parameters": {
+                    "E": 1e5, "nu": 0.3, "rho": 1000, "element": "trilinear"}}],
+                "constraints": [{"fix": "xyz", "where": {"set": "z0"}},
+                                {"move": {"translation": [0, 0, -1.5]}, "ramp": 1,
+                                 "where": {"set": "z1"}}],
+                "solver": {"integrator": integrator, "end": 1,
+                           **({"dt": 0.01} if integrator == "implicit-euler" else {})},
+                "output": False})
+            with self.assertRaises(suture.Error, msg=integrator):
+                sim.run()
+            self.assertLess(sim.time, 0.7)
+
+
 if __name__ == "__main__":
     unittest.main()

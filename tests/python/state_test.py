@@ -330,5 +330,30 @@ class Around(unittest.TestCase):
                     call()
 
 
+class AfterRemovals(unittest.TestCase):
+    def test_after_removals_and_other_parameters(self):
+        for model, of in (("tm-faure", "E"), ("neo-hookean", "rho"), ("mss-golec", "E")):
+            scene = {
+                "suture": 2, "mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [6, 2, 2]}},
+                "models": [{"name": "m", "model": model,
+                            "parameters": {"E": 2e4, "nu": 0.25, "rho": 1000}}],
+                "gravity": [0, -2, 0], "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
+                "solver": {"dt": 0.002, "end": 9}, "output": False}
+            pierce = lambda s: s.pierce(path=[[0.28, 0.03, 0.07], [0.28, 1, 0.07]], radius=0.06)
+            change = lambda s: s.parameters["m"].update(**{of: 1.5 * s.parameters["m"][of]})
+            for acts in ((pierce, change), (change, pierce), (pierce, change, pierce)):
+                sim = suture.Simulation(scene)
+                sim.step(3)
+                for act in acts:
+                    act(sim)
+                state = sim.copy()
+                sim.step(40)
+                for other in (sim, suture.Simulation(scene)):
+                    end = sim.position.tobytes()
+                    other.restore(state)
+                    other.step(40)
+                    self.assertEqual(other.position.tobytes(), end, (model, len(acts)))
+
+
 if __name__ == "__main__":
     unittest.main()

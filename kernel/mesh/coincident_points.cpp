@@ -76,7 +76,8 @@ std::vector<Index> first_in_place(std::span<const Vec3> points, double tolerance
   std::vector<Index> first(points.size());
   for (Index p = 0; p < points.size(); ++p) {
     first[p] = p;
-    if (!std::isfinite(norm(points[p]))) continue;  // its reader refuses it
+    if (!std::ranges::all_of(points[p], [](double x) { return std::isfinite(x); }))
+      continue;  // the import refuses it
     const Index earlier = places.nearest(points[p], points);
     if (earlier == none)
       places.add(p, points[p]);

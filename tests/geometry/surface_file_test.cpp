@@ -192,11 +192,12 @@ TEST(SurfaceFile, SaysWhatIsWrongInOff) {
 TEST(SurfaceFile, SaysThatStlIsTruncated) {
   const auto path = file_with("t.stl", "");
   write_surface(path, test::box_surface({0, 0, 0}, {1, 1, 1}));
+  const std::string text = text_of(path);
   EXPECT_NE(
-      read_error("t.stl", text_of(path).substr(0, 300))
+      read_error("t.stl", text.substr(0, 300))
           .find("300 bytes are too few for a binary STL file with 12 triangles, which needs 684"),
       std::string::npos);
-  EXPECT_NE(read_error("t.stl", text_of(path) + "more").find("4 bytes follow the 12 triangles"),
+  EXPECT_NE(read_error("t.stl", text + "more").find("4 bytes follow the 12 triangles"),
             std::string::npos);
 }
 

@@ -6,6 +6,7 @@
 #include <CGAL/IO/OFF.h>
 #include <CGAL/IO/PLY.h>
 #include <CGAL/IO/STL.h>
+#include <CGAL/Polygon_2_algorithms.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
@@ -20,6 +21,7 @@
 #include <CGAL/exceptions.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <sstream>
@@ -154,19 +156,36 @@ std::string write(SurfaceFormat format, const TriangleSurface& surface) {
 
 namespace {
 
-/// Divides all faces into triangles, up to a face that folds back onto itself. CGAL leaves a mesh
-/// with such a face in a state in which walks along its borders never end.
+/// Whether the projection of a polygon onto the coordinate plane that it faces most is simple.
+bool is_simple(const std::vector<Point>& corners) {
+  std::array<double, 3> normal{};  // Newell: twice the areas of the three projections
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Point &p = corners[i], &q = corners[(i + 1) % corners.size()];
+    for (int a = 0; a < 3; ++a) {
+      const int b = (a + 1) % 3, c = (a + 2) % 3;
+      normal[a] += (p[b] - q[b]) * (p[c] + q[c]);
+    }
+  }
+  const auto size = [&](int a) { return std::abs(normal[a]); };
+  const int away = size(0) > size(1) ? (size(0) > size(2) ? 0 : 2) : (size(1) > size(2) ? 1 : 2);
+  std::vector<Kernel::Point_2> flat;
+  for (const Point& p : corners) flat.emplace_back(p[(away + 1) % 3], p[(away + 2) % 3]);
+  return CGAL::is_simple_2(flat.begin(), flat.end(), Kernel());
+}
+
+/// Divides all faces into triangles, up to a face that folds back onto itself. CGAL would leave a
+/// mesh with such a face in a state in which walks along its borders never end.
 FoldedFace triangulate(SurfaceMesh& mesh) {
   const std::vector<SurfaceMesh::Face_index> all(mesh.faces().begin(), mesh.faces().end());
   for (const auto face : all) {
-    FoldedFace folded;
-    for (const auto v : CGAL::vertices_around_face(mesh.halfedge(face), mesh)) {
-      const Point& p = mesh.point(v);
-      for (int a = 0; a < 3; ++a) folded.middle[a] += p[a];
-      ++folded.corners;
-    }
-    if (folded.corners <= 3 || processing::triangulate_face(face, mesh)) continue;
-    for (double& x : folded.middle) x /= static_cast<double>(folded.corners);
+    std::vector<Point> corners;
+    for (const auto v : CGAL::vertices_around_face(mesh.halfedge(face), mesh))
+      corners.push_back(mesh.point(v));
+    if (corners.size() <= 3 || (is_simple(corners) && processing::triangulate_face(face, mesh)))
+      continue;
+    FoldedFace folded{corners.size(), {}};
+    for (const Point& p : corners)
+      for (int a = 0; a < 3; ++a) folded.middle[a] += p[a] / static_cast<double>(corners.size());
     return folded;
   }
   return {};

@@ -65,6 +65,8 @@ constexpr ModelCheck all_checks[] = {
      "no number has a derivative", 1e-4, nullptr, checks::slopes},
     {"state", "states follow time, not steps", "the model has no state", 0.75, checks::state,
      nullptr},
+    {"order", "the error of states falls with the step, along a changing strain",
+     "the model has no state", any, checks::order, nullptr},
     {"builds", "all instruction sets give the same forces", "there is one build only", 1e-9,
      nullptr, checks::builds},
     {"allocations", "no function of a functor allocates memory", "", 0, checks::no_allocation,

@@ -31,6 +31,7 @@ Result patch(const BatchCase&);
 // repeated_checks.cpp
 Result repetition(const BatchCase&);
 Result state(const BatchCase&);
+Result order(const BatchCase&);
 Result speed(const BatchCase&);
 // body_checks.cpp
 Result rest(const BodyCase&);

@@ -39,11 +39,17 @@ bool repeats(BatchCaller caller, const CellBatch (&batches)[2], const CellForces
   return true;
 }
 
-/// The states after `steps` steps that take `time` s together; other columns are empty.
-std::vector<Values> states_after(BatchCaller& caller, CellBatch batch, int steps, double time) {
+/// The states after `steps` steps that take `time` s together; other columns are empty. `moving`:
+/// the cells are deformed by equal parts in each step, from rest to where they are in the batch.
+std::vector<Values> states_after(BatchCaller& caller, CellBatch batch, int steps, double time,
+                                 bool moving = false) {
   batch.dt = time / steps;
   std::vector<Values> states;
+  const Values end = batch.position;
   for (int i = 0; i < steps; ++i) {
+    if (moving)
+      for (std::size_t n = 0; n < end.size(); ++n)
+        batch.position[n] = batch.rest[n] + (end[n] - batch.rest[n]) * (i + 1) / steps;
     states = caller.force(batch).trial;
     for (std::size_t c = 0; c < states.size(); ++c)
       if (!states[c].empty()) batch.cell_columns[c] = states[c];
@@ -127,6 +133,28 @@ Result state(const BatchCase& of) {
   return Measured{fine / coarse,
                   "halving the steps changes the state by this part of what the previous halving "
                   "changed; a state that follows time gives 0.5 or less"};
+}
+
+// Along a path on which the strain changes, a state whose strain is taken as constant within a step
+// has an error of the first order: halved steps halve it. An error of the second order falls to a
+// quarter. Both are sound; the text tells them apart.
+Result order(const BatchCase& of) {
+  BatchCaller caller(of.instance);
+  const CellForces once = caller.force(of.batch);
+  if (std::ranges::all_of(once.trial, [](const Values& t) { return t.empty(); })) return {};
+  if (of.batch.rest.size() != of.batch.position.size()) return {};
+  std::vector<Values> after[3];
+  for (int i = 0; i < 3; ++i) after[i] = states_after(caller, of.batch, 16 << i, 0.01, true);
+  const double coarse = largest_difference(after[0], after[1]),
+               fine = largest_difference(after[1], after[2]);
+  if (fine <= 1e-9 * largest_of(after[2])) return Measured{0, "no change with the step"};
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "order %.2g in the length of a step%s", std::log2(coarse / fine),
+                fine > 0.35 * coarse
+                    ? "; a strain that is linear within a step gives 2 (docs/sdk.md)"
+                    : "");
+  return Measured{fine / coarse, text};
 }
 
 Result speed(const BatchCase& of) {

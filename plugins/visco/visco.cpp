@@ -32,16 +32,23 @@ struct Visco : suture::continuum<Visco> {
   template <class T>
   struct State {
     suture::sym3<T> flow[terms];  // A_k - I
+    suture::sym3<T> target;       // C^-1 - I at the end of the last step
   };
   static constexpr suture::attribute states[] = {
       suture::state("flow_1", "1", "A_1 - I", 6), suture::state("flow_2", "1", "A_2 - I", 6),
       suture::state("flow_3", "1", "A_3 - I", 6), suture::state("flow_4", "1", "A_4 - I", 6),
-      suture::state("flow_5", "1", "A_5 - I", 6)};
+      suture::state("flow_5", "1", "A_5 - I", 6),
+      suture::state("target", "1", "C^-1 - I at the end of the last step", 6)};
+  /// Exact for a C^-1 that changes linearly within the step; the weights are positive and sum to 1.
   template <class T, class At>
   static void evolve(const suture::mat3<T>& F, const Constants& c, At& at) {
-    const auto flow = add_diagonal(inverse(right_cauchy_green(F)), -1.0);
-    for (int k = 0; k < terms; ++k)
-      at.state.flow[k] += (flow - at.state.flow[k]) * (1 - std::exp(-at.dt * c.rate[k]));
+    const auto now = add_diagonal(inverse(right_cauchy_green(F)), -1.0), before = at.state.target;
+    for (int k = 0; k < terms; ++k) {
+      const double h = at.dt * c.rate[k], left = std::exp(-h);
+      const double mean = h > 0 ? -std::expm1(-h) / h : 1;
+      at.state.flow[k] = at.state.flow[k] * left + before * (mean - left) + now * (1 - mean);
+    }
+    at.state.target = now;
   }
   template <class T, class At>
   static SUTURE_INLINE T energy(const suture::mat3<T>& F, const Constants& c, const At& at) {

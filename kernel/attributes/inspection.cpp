@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/attributes/inspection.hpp"
 
+#include <optional>
 #include <vector>
 
 #include "kernel/attributes/lips.hpp"
@@ -134,14 +135,15 @@ void inspect(Instance& instance, const RestPlaces& rest, const Column& mass,
   for (const suture_functor& functor : std::span(model.functors, model.functor_count)) {
     const suture_inspect_1* extension = inspection_of(instance, functor);
     if (!extension) continue;
-    InspectionBatch batch(instance, functor, rest, mass, user_element);
+    std::optional<InspectionBatch> batch;  // without cells, there may be no columns
     const Index rows = instance.table(static_cast<int>(functor.dimension)).cells.size();
     std::array<Index, lanes> admitted;
     Index filled = 0;
     for (Index row = 0; row < rows; ++row) {
       if (admits(instance, functor, rest.complex(), row)) admitted[filled++] = row;
       if (filled == 0 || (filled < lanes && row + 1 < rows)) continue;
-      inspect_batch(instance, functor, *extension, batch.gather({admitted.data(), filled}));
+      if (!batch) batch.emplace(instance, functor, rest, mass, user_element);
+      inspect_batch(instance, functor, *extension, batch->gather({admitted.data(), filled}));
       filled = 0;
     }
   }

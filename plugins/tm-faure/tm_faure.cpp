@@ -38,11 +38,6 @@ struct TmFaure : suture::continuum<TmFaure> {
   using Constants = suture::lame_of<R>;
   static void prepare(const suture::setup& p, suture::lame& c) {
     c = suture::lame_constants(p[young], p[poisson]);
-    if (p[poisson] > 0.45 && element_of(p) == suture::element_type::trilinear)
-      p.warn("volumetric-locking",
-             "nu > 0.45: trilinear hexahedra are far too stiff in bending (a cantilever of "
-             "5x5x20 cells with nu = 0.499 sags less than half as much as it should); set "
-             "\"element\": \"mean-gradient\", which does not lock, or use nu <= 0.45");
   }
 
   template <class P>

@@ -16,7 +16,8 @@
 // so e holds the components along the rest edges of the gradient's transpose times g_k,
 // and e' those of its inverse times g_k. For laws that survive inversion, where the inverse
 // is singular on the way, it is V W(F) + Es(e). Either is invariant under rotations, and
-// its second part vanishes for every constant gradient (patch test).
+// its second part vanishes for every constant gradient (patch test). For laws that are linear in
+// displacements it is V W(F) + Es(E_I . g_k), with the edges at rest: its force is linear, too.
 //
 // Es is the energy at rest of the element with 21 enhanced strain modes (nine linear, six
 // bilinear on the normal strains, six on the shear strains), for which a parallelepiped
@@ -188,6 +189,7 @@ class hourglass_stiffness {
 //   F(modes)               the mean gradient
 //   add_flux(P, pull)      adds the derivatives of V W by the modes
 //   lower(v)               E'E v
+//   back(v), forth(v)      E^-1 v, E^-T v
 // and core, the part of it that the hourglass energy reads.
 
 /// A box along the axes.
@@ -223,6 +225,14 @@ struct box_rest {
   template <class T>
   SUTURE_INLINE vec3<T> lower(const vec3<T>& v) const {
     return {v[0] * metric[0], v[1] * metric[1], v[2] * metric[2]};
+  }
+  template <class T>
+  SUTURE_INLINE vec3<T> back(const vec3<T>& v) const {
+    return {v[0] * inverse[0], v[1] * inverse[1], v[2] * inverse[2]};
+  }
+  template <class T>
+  SUTURE_INLINE vec3<T> forth(const vec3<T>& v) const {
+    return back(v);
   }
 
  private:
@@ -270,6 +280,20 @@ struct parallelepiped_rest {
   SUTURE_INLINE vec3<T> lower(const vec3<T>& v) const {
     const auto row = [&](int i) SUTURE_DETAIL_INLINED {
       return metric(i, 0) * v[0] + metric(i, 1) * v[1] + metric(i, 2) * v[2];
+    };
+    return {row(0), row(1), row(2)};
+  }
+  template <class T>
+  SUTURE_INLINE vec3<T> back(const vec3<T>& v) const {
+    const auto row = [&](int i) SUTURE_DETAIL_INLINED {
+      return inverse(i, 0) * v[0] + inverse(i, 1) * v[1] + inverse(i, 2) * v[2];
+    };
+    return {row(0), row(1), row(2)};
+  }
+  template <class T>
+  SUTURE_INLINE vec3<T> forth(const vec3<T>& v) const {
+    const auto row = [&](int i) SUTURE_DETAIL_INLINED {
+      return inverse(0, i) * v[0] + inverse(1, i) * v[1] + inverse(2, i) * v[2];
     };
     return {row(0), row(1), row(2)};
   }
@@ -399,6 +423,22 @@ SUTURE_INLINE void add_pull_of_pulled_back(const nodal_modes<T>& now, const Rest
   }
 }
 
+/// E_I . g_k, the hourglass strains of a linear law.
+template <class T, class Rest>
+SUTURE_INLINE void linear(const nodal_modes<T>& now, const Rest& rest, vec3<T> (&e)[4]) {
+  for (int k = 0; k < 4; ++k) e[k] = rest.lower(rest.back(now.hourglass[k]));
+}
+template <class T, class Rest>
+SUTURE_INLINE nodal_modes<T> pull_of_linear(const nodal_modes<T>& now, const Rest& rest) {
+  vec3<T> e[4], s[4];
+  linear(now, rest, e);
+  rest.stiffness.stress(e, s);
+  nodal_modes<T> pull;
+  for (int k = 0; k < 4; ++k) pull.hourglass[k] = rest.forth(rest.lower(s[k]));
+  pull.edge = {};
+  return pull;
+}
+
 template <class T, class Rest>
 SUTURE_INLINE T twice_energy(const vec3<T> (&e)[4], const Rest& rest) {
   vec3<T> s[4];
@@ -408,9 +448,11 @@ SUTURE_INLINE T twice_energy(const vec3<T> (&e)[4], const Rest& rest) {
 
 }  // namespace detail
 
-/// Share of Es in each half of the hourglass energy.
-template <bool Both>
-inline constexpr double hourglass_share = Both ? 0.5 : 1.0;
+/// What the hourglass energy is made of: Es(e) and Es(e'), Es(e), or Es of the linear strains.
+enum class hourglass_form { both, stretched, linear };
+/// Share of Es in each part of the hourglass energy.
+template <hourglass_form Form>
+inline constexpr double hourglass_share = Form == hourglass_form::both ? 0.5 : 1.0;
 
 /// Edges and g of the nodes x.
 template <class T, class Rest>
@@ -420,14 +462,17 @@ SUTURE_INLINE nodal_modes<T> separated_modes(const vec3<T> (&x)[8], const Rest& 
   return now;
 }
 
-/// Hourglass energy; `Both`: with the half of F^-1. `core` has its stiffness times
-/// hourglass_share<Both>. A function of its own, as it is not computed in every step.
-template <bool Both, class T, class Core>
+/// Hourglass energy. `core` has its stiffness times hourglass_share<Form>. A function of its own,
+/// as it is not computed in every step.
+template <hourglass_form Form, class T, class Core>
 [[gnu::noinline]] T hourglass_energy(const nodal_modes<T>& now, const Core& core) {
   vec3<T> e[4];
-  detail::stretched(now, e);
+  if constexpr (Form == hourglass_form::linear)
+    detail::linear(now, core, e);
+  else
+    detail::stretched(now, e);
   T twice = detail::twice_energy(e, core);
-  if constexpr (Both) {
+  if constexpr (Form == hourglass_form::both) {
     vec3<T> p[4];
     detail::pulled_back(now, p);
     for (int k = 0; k < 4; ++k) e[k] = core.lower(p[k]);
@@ -437,30 +482,31 @@ template <bool Both, class T, class Core>
 }
 
 /// The derivatives of that energy.
-template <bool Both, class T, class Core>
+template <hourglass_form Form, class T, class Core>
 SUTURE_INLINE nodal_modes<T> hourglass_pull(const nodal_modes<T>& now, const Core& core) {
+  if constexpr (Form == hourglass_form::linear) return detail::pull_of_linear(now, core);
   nodal_modes<T> pull = detail::pull_of_stretched(now, core);
-  if constexpr (Both) detail::add_pull_of_pulled_back(now, core, pull);
+  if constexpr (Form == hourglass_form::both) detail::add_pull_of_pulled_back(now, core, pull);
   return pull;
 }
 /// The same as a function of its own: tangents on all shapes but boxes call it.
-template <bool Both, class T, class Core>
+template <hourglass_form Form, class T, class Core>
 [[gnu::noinline]] nodal_modes<T> called_hourglass_pull(const nodal_modes<T>& now,
                                                        const Core& core) {
-  return hourglass_pull<Both>(now, core);
+  return hourglass_pull<Form>(now, core);
 }
 
 /// Nodal forces of a law that gives P for F, and of the hourglass energy.
-template <bool Both, class T, class Rest, class Law>
+template <hourglass_form Form, class T, class Rest, class Law>
 SUTURE_INLINE void mean_gradient_force(const vec3<T> (&x)[8], const Rest& rest, Law&& law,
                                        vec3<T> (&f)[8]) {
   const nodal_modes<T> now = separated_modes(x, rest);
   const typename Rest::core& core = rest;
   nodal_modes<T> pull;
   if constexpr (is_dual<T> && !Rest::is_box)
-    pull = called_hourglass_pull<Both>(now, core);
+    pull = called_hourglass_pull<Form>(now, core);
   else
-    pull = hourglass_pull<Both>(now, core);
+    pull = hourglass_pull<Form>(now, core);
   rest.add_flux(law(rest.F(now)), pull);
   rest.unite(pull);
   scatter(pull, f);

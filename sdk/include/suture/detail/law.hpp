@@ -130,13 +130,24 @@ bool is_trilinear(const values& p) {
   return element_of<M>(p) == element_type::trilinear;
 }
 
-/// Whether the hourglass energy has the half of F^-1, which is singular at det F = 0.
+/// Whether forces are linear in displacements by design.
 template <class M>
-constexpr bool has_both_halves() {
+constexpr bool is_linear() {
+  return (M::flags & SUTURE_LINEAR) != 0;
+}
+
+/// Whether the law is finite at det F = 0, where the inverse of F is not.
+template <class M>
+constexpr bool survives_inversion() {
   if constexpr (has_survives_inversion<M>)
-    return !M::survives_inversion;
+    return M::survives_inversion;
   else
-    return !is_isotropic<M>;
+    return is_isotropic<M>;
+}
+template <class M>
+constexpr hourglass_form hourglass_form_of() {
+  if (is_linear<M>()) return hourglass_form::linear;
+  return survives_inversion<M>() ? hourglass_form::stretched : hourglass_form::both;
 }
 
 /// W of the law as a function of F. A struct, as a lambda around a function would be one more
@@ -301,36 +312,70 @@ constexpr bool check_law() {
   return true;
 }
 
-/// Lame's constants of the isotropic tensor nearest to the tangent of the law at F = s I
-/// (Voigt's averages, which are exact for an isotropic law).
-template <class M, class Material>
-lame lame_at(double s, const Material& p) {
-  if constexpr (is_isotropic<M>) {
-    return M::isotropic(p);
-  } else {
-    using T = dual<double>;
-    double bulk = 0, shear = 0;  // C_kkll, and C_klkl of the symmetric part
-    for (int k = 0; k < 3; ++k)
-      for (int l = 0; l < 3; ++l) {
-        mat3<T> F = mat3<T>::identity() * T(s);
-        F(k, l).derivative = 1;
-        auto at = first_instant<M, T>();
-        if constexpr (has_state<M>) M::evolve(F, p, at);
-        const mat3<T> P = law_stress<M>(F, p, at);
-        if (k == l) bulk += trace(P).derivative;
-        shear += 0.5 * (P(k, l) + P(l, k)).derivative;
-      }
-    return {(2 * bulk - shear) / 15, (3 * shear - bulk) / 30};
-  }
+/// Lame's constants of the isotropic tensor nearest to the tangent of the law at F0 (Voigt's
+/// averages, which are exact for an isotropic law). R: a number, or a pack of elements.
+template <class M, class R, class Material>
+lame_of<R> lame_at(const mat3<double>& F0, const Material& p) {
+  using T = dual<R>;
+  R bulk(0.0), shear(0.0);  // C_kkll, and C_klkl of the symmetric part
+  for (int k = 0; k < 3; ++k)
+    for (int l = 0; l < 3; ++l) {
+      mat3<T> F;
+      for (int i = 0; i < 9; ++i) F(i / 3, i % 3) = T(R(F0(i / 3, i % 3)));
+      F(k, l).derivative = R(1.0);
+      auto at = first_instant<M, T>();
+      if constexpr (has_state<M>) M::evolve(F, p, at);
+      const mat3<T> P = law_stress<M>(F, p, at);
+      if (k == l) bulk += trace(P).derivative;
+      shear += 0.5 * (P(k, l) + P(l, k)).derivative;
+    }
+  return {(2.0 * bulk - shear) * (1.0 / 15), (3.0 * shear - bulk) * (1.0 / 30)};
 }
 
-/// At F = I: the mean of both sides, as fibres that carry tension only have a tangent on each, and
-/// bending stretches one half of them. Rounding of |F a|^2 = 1 would choose one.
-template <class M, class Material>
-lame lame_at_rest(const Material& p) {
+/// Strains as small as possible, of which each comes with its negative: stretches by 1e-7 at
+/// constant volume along three directions, with a fifth of that in all directions.
+constexpr int rest_samples = 6;
+inline mat3<double> near_rest(int sample) {
   constexpr double step = 1e-7;
-  const lame taut = lame_at<M>(1 + step, p), slack = lame_at<M>(1 - step, p);
-  return {(taut.lambda + slack.lambda) / 2, (taut.mu + slack.mu) / 2};
+  constexpr double along[3][3] = {  // no axis of symmetry of a usual law lies along them
+      {0.36, 0.48, 0.80}, {-0.80, 0.60, 0.0}, {-0.48, -0.64, 0.60}};
+  const double(&d)[3] = along[sample / 2];
+  const double size = sample % 2 == 0 ? step : -step;
+  mat3<double> F;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      F(i, j) = (i == j ? 1 + size * (0.2 - 1.0 / 3) : 0.0) + size * d[i] * d[j];
+  return F;
+}
+
+template <class R>
+struct lame_near_rest {
+  lame_of<R> mean;
+  R spread;  ///< the largest difference of mu and of lambda + 2/3 mu from it, over the larger one
+};
+/// At F = I. Laws with a switch, such as fibres that carry tension only, have more than one tangent
+/// there, and bending stretches one half of a body and compresses the other. At F = I itself,
+/// rounding would choose a tangent; so it would along a path on which the switch has no sign.
+template <class M, class R, class Material>
+lame_near_rest<R> lame_at_rest(const Material& p) {
+  if constexpr (is_isotropic<M>) {
+    const auto constants = M::isotropic(p);
+    return {{R(constants.lambda), R(constants.mu)}, R(0.0)};
+  } else {
+    lame_of<R> at[rest_samples], mean{R(0.0), R(0.0)};
+    for (int i = 0; i < rest_samples; ++i) {
+      at[i] = lame_at<M, R>(near_rest(i), p);
+      mean.lambda += at[i].lambda * (1.0 / rest_samples);
+      mean.mu += at[i].mu * (1.0 / rest_samples);
+    }
+    R change(0.0);
+    for (const lame_of<R>& a : at) {
+      const R shear = a.mu - mean.mu, lambda = a.lambda - mean.lambda;
+      change = max(change, max(abs(shear), abs(lambda + (2.0 / 3) * shear)));
+    }
+    const R bulk = abs(mean.lambda + (2.0 / 3) * mean.mu);
+    return {mean, change / max(max(bulk, abs(mean.mu)), R(1e-300))};
+  }
 }
 
 inline rest_moduli moduli_of(const lame& c) {
@@ -340,9 +385,17 @@ inline rest_moduli moduli_of(const lame& c) {
 }
 
 /// False for NaN, too, and for what is left of 0 by rounding.
-inline bool is_stable(const lame& c) {
-  const double rounding = 1e-12 * (std::abs(c.lambda) + std::abs(c.mu));
-  return std::isfinite(rounding) && c.mu > rounding && 3 * c.lambda + 2 * c.mu > rounding;
+template <class R>
+using mask_of = decltype(std::declval<R>() < std::declval<R>());
+template <class R>
+mask_of<R> is_stable(const lame_of<R>& c) {
+  const R rounding = 1e-12 * (abs(c.lambda) + abs(c.mu));
+  return (rounding < R(1e300)) & (c.mu > rounding) & (3.0 * c.lambda + 2.0 * c.mu > rounding);
+}
+/// Whether Poisson's ratio is above 0.45: trilinear elements are then far too stiff in bending.
+template <class R>
+mask_of<R> locks(const lame_of<R>& c) {
+  return is_stable(c) & (c.lambda > 0.9 * (c.lambda + c.mu));
 }
 
 }  // namespace detail

@@ -24,7 +24,11 @@ struct mean_results {
   template <class Material, class At>
   [[gnu::noinline]] void add(const mat3<T>& F, const T& w, const Material& p, const At& at) {
     volume += w;
-    stress = stress + cauchy(law_stress<M>(F, p, at), F) * w;
+    const mat3<T> P = law_stress<M>(F, p, at);
+    if constexpr (is_linear<M>())
+      stress = stress + symmetric(P) * w;
+    else
+      stress = stress + cauchy(P, F) * w;
     for (int i = 0; i < state_components<M>(); ++i)
       numbers_of<T>(state)[i] += numbers_of<T>(at.state)[i] * w;
     if constexpr (has_energy_density<M>) energy += called_energy<M>(F, p, at) * w;
@@ -44,7 +48,8 @@ struct mean_results {
   }
 };
 
-/// Output fields of every element: means over its Gauss points.
+/// Output fields of every element: means over its Gauss points. For a law that is linear in
+/// displacements, all stresses are the same.
 template <class M>
 constexpr auto fields_of_law() {
   constexpr auto stress = field("stress", "Pa", "Cauchy stress, mean of the element", 6);

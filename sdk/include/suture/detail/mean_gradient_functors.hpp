@@ -14,7 +14,8 @@ namespace suture::detail {
 template <class M, class Material>
 void prepare_element(const setup& p, const Material& material, rest_moduli& moduli) {
   if (is_trilinear<M>(p)) return;
-  const lame constants = lame_at_rest<M>(material);
+  const auto near_rest = lame_at_rest<M, double>(material);
+  const lame& constants = near_rest.mean;
   if (!is_stable(constants))
     return p.refuse(
         "no-stiffness-at-rest",
@@ -27,6 +28,13 @@ void prepare_element(const setup& p, const Material& material, rest_moduli& modu
       p.warn("points-not-used",
              "mean-gradient elements evaluate the law at one point: the number of Gauss points "
              "has no effect");
+  if (near_rest.spread > 0.01)
+    p.warn("not-smooth-at-rest",
+           "the law has more than one tangent at F = I: its moduli differ by up to " +
+               std::to_string(std::lround(100 * near_rest.spread)) +
+               " % with the direction of a small strain. Mean-gradient elements resist "
+               "hourglassing with the mean, also where one of them holds: refine the mesh over "
+               "the height of what bends, or set \"element\": \"trilinear\"");
   moduli = moduli_of(constants);
 }
 
@@ -36,8 +44,8 @@ template <class M, class Shape>
 struct mean_gradient_functor : law_functor<M, Shape, 1> {
   static constexpr const char* doc = "Nodal forces of the stress at the mean gradient";
   static constexpr bool added_element_constants = varies<M>;
-  static constexpr bool both = has_both_halves<M>();
-  static constexpr double share = hourglass_share<both>;
+  static constexpr hourglass_form form = hourglass_form_of<M>();
+  static constexpr double share = hourglass_share<form>;
 
   static bool enabled(const values& p, std::uint32_t&) { return !is_trilinear<M>(p); }
 
@@ -56,7 +64,7 @@ struct mean_gradient_functor : law_functor<M, Shape, 1> {
       e.add(rest.F(now), rest.volume);
       const typename std::decay_t<decltype(rest)>::core& core = rest;
       if constexpr (with_energy && has_energy_density<M>)
-        e.hourglass_energy = hourglass_energy<both>(now, core);
+        e.hourglass_energy = hourglass_energy<form>(now, core);
     });
     return e;
   }
@@ -68,7 +76,7 @@ struct mean_gradient_functor : law_functor<M, Shape, 1> {
     using T = typename Cell::scalar;
     vec3<T> x[8], f[8];
     mean_gradient_functor::positions(c, x);
-    mean_gradient_force<both>(
+    mean_gradient_force<form>(
         x, rest, [&](const mat3<T>& F) SUTURE_DETAIL_INLINED { return stress_at<M, 1>(c, F, 0); },
         f);
     for (int n = 0; n < 8; ++n) c.force(n, f[n]);

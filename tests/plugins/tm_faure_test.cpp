@@ -406,22 +406,6 @@ TEST_P(TmFaure, LanesDoNotInfluenceEachOther) {
   }
 }
 
-TEST_P(TmFaure, WarnsOfLocking) {
-  const auto inspect = [&](ModelInstance& instance) {
-    std::array<Hexahedron, 8> rest;
-    rest.fill(box_of(1, 1, 1));
-    HexahedronBatch(instance, instance.functor("parallelepipeds"), rest).inspect();
-  };
-  ModelInstance soft(model(), parameters(gauss2, 0.45));
-  inspect(soft);
-  EXPECT_TRUE(soft.reports.empty());
-  ModelInstance stiff(model(), parameters(gauss2, 0.499));
-  inspect(stiff);
-  ASSERT_EQ(stiff.reports.size(), 8u);
-  EXPECT_EQ(stiff.reports[0].key, "volumetric-locking");
-  EXPECT_EQ(stiff.reports[0].severity, SUTURE_WARNING);
-}
-
 // ------------------------------------------------------------- stable step --
 
 /// 2/omega of the bound, for a free block of n^3 cubes: as the kernel does, the

@@ -75,6 +75,10 @@
 //                                true if energy and stress are finite at det F = 0 (default:
 //                                true with isotropic(), otherwise false). The hourglass energy
 //                                is then finite there, too
+//   static constexpr bool samples_bending
+//                                whether mean-gradient elements evaluate the law where bending
+//                                strains it, six times per element (default: true for laws with
+//                                states, fields, directions or `at`)
 //   static lame isotropic(p)     if its law is S = lambda tr(E) I + 2 mu E: boxes then need a
 //                                tenth fewer operations (isotropic_box_force)
 //   static int points(values)    Gauss points per axis, 2 (default) or 3
@@ -444,7 +448,7 @@ struct continuum : model {
   static constexpr std::array<parameter, 1> added_parameters() {
     return {detail::element_parameter<M>()};
   }
-  static constexpr auto added_attributes() { return detail::attributes_of_law<M>(); }
+  static constexpr auto added_attributes() { return detail::added_attributes_of<M>(); }
   template <class Material>
   static void prepare_added(const setup& p, const Material& material, rest_moduli& moduli) {
     detail::prepare_element<M>(p, material, moduli);

@@ -135,6 +135,9 @@ class hourglass_stiffness {
     }
   }
 
+  /// That of the strain e_4I.
+  SUTURE_INLINE const R& twist(int i) const { return twist_[i]; }
+
   /// s = K e.
   template <class T>
   SUTURE_INLINE void stress(const vec3<T> (&e)[4], vec3<T> (&s)[4]) const {

@@ -43,6 +43,7 @@ SUTURE_DETAIL_HAS(attributes)
 SUTURE_DETAIL_HAS(name)
 SUTURE_DETAIL_HAS(default_element)
 SUTURE_DETAIL_HAS(survives_inversion)
+SUTURE_DETAIL_HAS(samples_bending)
 SUTURE_DETAIL_HAS(states)
 SUTURE_DETAIL_HAS(vertex_fields)
 #undef SUTURE_DETAIL_HAS

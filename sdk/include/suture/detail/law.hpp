@@ -100,6 +100,27 @@ inline constexpr bool
     is_isotropic<M, std::void_t<decltype(M::isotropic(std::declval<const material_of<M>&>()))>> =
         true;
 
+/// Whether a parameter of the law is a direction.
+template <class M>
+constexpr bool has_directions() {
+  if constexpr (has_parameters<M>)
+    for (const parameter& p : M::parameters)
+      if (p.type == SUTURE_DIRECTION) return true;
+  return false;
+}
+/// Whether mean-gradient elements evaluate the law in the samples of bending_samples.hpp: if its
+/// response changes with states, fields or time, or depends on a direction.
+template <class M>
+constexpr bool needs_samples() {
+  if constexpr (has_samples_bending<M>)
+    return M::samples_bending;
+  else
+    return has_state<M> || has_vertex_fields<M> || has_directions<M>() ||
+           (!has_energy_density_alone<M> && !has_stress_alone<M>);
+}
+template <class M>
+inline constexpr bool is_sampled = !has_release<M> && needs_samples<M>();
+
 /// The element of scenes that name none.
 template <class M>
 constexpr element_type default_element_of() {

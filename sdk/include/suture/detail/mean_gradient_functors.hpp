@@ -6,6 +6,7 @@
 #define SUTURE_DETAIL_MEAN_GRADIENT_FUNCTORS_HPP
 
 #include "suture/detail/law_functor.hpp"
+#include "suture/detail/rest_stiffness.hpp"
 #include "suture/mean_gradient_parts.hpp"
 
 namespace suture::detail {
@@ -28,7 +29,7 @@ void prepare_element(const setup& p, const Material& material, rest_moduli& modu
       p.warn("points-not-used",
              "mean-gradient elements evaluate the law at one point: the number of Gauss points "
              "has no effect");
-  if (near_rest.spread > 0.01)
+  if (!is_sampled<M> && near_rest.spread > 0.01)
     p.warn("not-smooth-at-rest",
            "the law has more than one tangent at F = I: its moduli differ by up to " +
                std::to_string(std::lround(100 * near_rest.spread)) +
@@ -41,7 +42,7 @@ void prepare_element(const setup& p, const Material& material, rest_moduli& modu
 /// What parallelepipeds and general hexahedra have in common. `Shape` provides
 /// with_rest(cell, work), which calls work(rest shape).
 template <class M, class Shape>
-struct mean_gradient_functor : law_functor<M, Shape, 1> {
+struct mean_gradient_functor : law_functor<M, Shape, mean_points<M>> {
   static constexpr const char* doc = "Nodal forces of the stress at the mean gradient";
   static constexpr bool added_element_constants = varies<M>;
   static constexpr hourglass_form form = hourglass_form_of<M>();
@@ -55,16 +56,27 @@ struct mean_gradient_functor : law_functor<M, Shape, 1> {
   }
 
   template <bool with_energy = true, class Cell>
-  [[gnu::noinline]] static deformed_element<typename Cell::scalar, 1> deformed(const Cell& c) {
-    deformed_element<typename Cell::scalar, 1> e;
+  [[gnu::noinline]] static deformed_element<typename Cell::scalar, mean_points<M>> deformed(
+      const Cell& c) {
+    deformed_element<typename Cell::scalar, mean_points<M>> e;
     Shape::with_rest(c, [&](const auto& rest) {
-      vec3<typename Cell::scalar> x[8];
+      using T = typename Cell::scalar;
+      vec3<T> x[8];
       mean_gradient_functor::positions(c, x);
-      const auto now = separated_modes(x, rest);
-      e.add(rest.F(now), rest.volume);
       const typename std::decay_t<decltype(rest)>::core& core = rest;
-      if constexpr (with_energy && has_energy_density<M>)
-        e.hourglass_energy = hourglass_energy<form>(now, core);
+      if constexpr (is_sampled<M>) {
+        const auto now = bent<form>(x, rest);
+        for_bending_samples<form>(now, bending_of(c, core), [&](const mat3<T>& F, int) {
+          e.add(F, rest.volume * (1.0 / bending_samples));
+        });
+        if constexpr (with_energy && has_energy_density<M>)
+          e.hourglass_energy = twist_energy<form>(now, core);
+      } else {
+        const auto now = separated_modes(x, rest);
+        e.add(rest.F(now), rest.volume);
+        if constexpr (with_energy && has_energy_density<M>)
+          e.hourglass_energy = hourglass_energy<form>(now, core);
+      }
     });
     return e;
   }
@@ -76,10 +88,47 @@ struct mean_gradient_functor : law_functor<M, Shape, 1> {
     using T = typename Cell::scalar;
     vec3<T> x[8], f[8];
     mean_gradient_functor::positions(c, x);
-    mean_gradient_force<form>(
-        x, rest, [&](const mat3<T>& F) SUTURE_DETAIL_INLINED { return stress_at<M, 1>(c, F, 0); },
-        f);
+    if constexpr (is_sampled<M>) {
+      const typename Rest::core& core = rest;
+      sampled_force<form>(
+          x, rest, bending_of(c, core),
+          [&](const mat3<T>& F, int sample) { return sampled_stress(c, F, sample); }, f);
+    } else {
+      mean_gradient_force<form>(
+          x, rest, [&](const mat3<T>& F) SUTURE_DETAIL_INLINED { return stress_at<M, 1>(c, F, 0); },
+          f);
+    }
     for (int n = 0; n < 8; ++n) c.force(n, f[n]);
+  }
+  /// One function for all samples and rest shapes.
+  template <class Cell, class T>
+  [[gnu::noinline]] static mat3<T> sampled_stress(const Cell& c, const mat3<T>& F, int sample) {
+    return stress_at<M, bending_samples>(c, F, sample);
+  }
+  template <class Cell, class Core>
+  static SUTURE_INLINE auto bending_of(const Cell& c, const Core& core) {
+    using R = typename Cell::real;
+    const auto edges = [&] {
+      mat3<R> inverse_edges{};
+      if constexpr (Core::is_box)
+        for (int i = 0; i < 3; ++i) inverse_edges(i, i) = core.inverse[i];
+      else
+        inverse_edges = core.inverse;
+      return inverse(inverse_edges);
+    };
+    if constexpr (stores_stiffness<M>) {
+      anisotropic_out_of_plane<R> out;
+      for (int i = 0; i < 21; ++i)
+        out.C[i] = c.column(rest_stiffness_columns<M>(), i / rest_stiffness_share,
+                            i % rest_stiffness_share);
+      return skew_bending<R>(edges(), out);
+    } else {
+      const R nu(c.added_constants().poisson), ratio = nu * reciprocal(1.0 - nu);
+      if constexpr (Core::is_box)
+        return box_bending<R>{core.inverse, ratio};
+      else
+        return skew_bending<R>(edges(), isotropic_out_of_plane<R>{ratio});
+    }
   }
 };
 
@@ -88,7 +137,7 @@ struct mean_gradient_parallelepipeds : mean_gradient_functor<M, mean_gradient_pa
   static constexpr const char* name = "parallelepipeds, mean gradient";
   static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED, alternative = 2;
   static constexpr column<0> jacobian{};
-  static constexpr auto cell_columns = joined(state_columns<M, 1>, columns(jacobian));
+  static constexpr auto cell_columns = joined(mean_columns<M>, columns(jacobian));
 
   template <class Cell, class Work>
   static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
@@ -110,7 +159,7 @@ struct mean_gradient_parts : mean_gradient_functor<M, mean_gradient_parts<M>> {
   static constexpr const char* name = "parts of parallelepipeds, mean gradient";
   static constexpr std::uint32_t shape = SUTURE_PARALLELEPIPED;
   static constexpr column<0> jacobian{};
-  static constexpr auto cell_columns = joined(state_columns<M, 1>, columns(jacobian, element_part));
+  static constexpr auto cell_columns = joined(mean_columns<M>, columns(jacobian, element_part));
 
   template <class Cell, class Work>
   static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
@@ -145,7 +194,7 @@ struct mean_gradient_hexahedra : mean_gradient_functor<M, mean_gradient_hexahedr
   static constexpr const char* name = "general hexahedra, mean gradient";
   static constexpr std::uint32_t shape = SUTURE_GENERAL, alternative = 1;
   static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
-  static constexpr auto cell_columns = state_columns<M, 1>;
+  static constexpr auto cell_columns = mean_columns<M>;
 
   template <class Cell, class Work>
   static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {
@@ -163,7 +212,7 @@ struct mean_gradient_hexahedron_parts
   static constexpr const char* name = "parts of general hexahedra, mean gradient";
   static constexpr std::uint32_t shape = SUTURE_GENERAL;
   static constexpr std::uint32_t reads = SUTURE_READ_REST | SUTURE_READ_POSITION;
-  static constexpr auto cell_columns = joined(state_columns<M, 1>, columns(element_general_part));
+  static constexpr auto cell_columns = joined(mean_columns<M>, columns(element_general_part));
 
   template <class Cell, class Work>
   static SUTURE_INLINE void with_rest(const Cell& c, Work&& work) {

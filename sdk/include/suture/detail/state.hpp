@@ -153,7 +153,7 @@ template <class M>
 inline constexpr auto field_columns =
     field_columns_of<M>(std::make_index_sequence<field_count<M>()>());
 
-/// The columns of an element with 1 or 8 points: those of a part are neighbours.
+/// The columns of an element with 1, 6 or 8 points: those of a part are neighbours.
 template <class M, int Points, std::size_t... I>
 constexpr auto state_columns_at(std::index_sequence<I...>)
     -> column_list<std::uint32_t(first_added_attribute<M> + I / Points * 8 + I % Points)...> {
@@ -204,9 +204,11 @@ instant_of<M, T> first_instant() {
   return at;
 }
 
-/// N_n at a Gauss point of an element with 8, at the centre of one with 1.
+/// N_n at a Gauss point of an element with 8, at the centre of one with 1, at the centre of a face
+/// of one with 6 (bending_samples.hpp).
 template <int Points>
 constexpr double node_weight(int point, int n) {
+  if (Points == 6) return (n >> point / 2 & 1) == point % 2 ? 0.25 : 0.0;
   double weight = 1;
   for (int axis = 0; axis < 3; ++axis) {
     const bool is_near = (point >> axis & 1) == (n >> axis & 1);

@@ -152,7 +152,7 @@ DivisionTimes time_division(BenchBody& body, EmbeddedParts& parts, const PlaneBl
                             unsigned threads) {
   const double start = now(threads);
   const BladeCut cut =
-      cut_along(body.complex(), parts.parts(), body.attributes().position().rows(), blade, "");
+      cut_along(body.complex(), parts.parts(), body.attributes().position().rows(), blade);
   const double found = now(threads);
   body.body().clone_volume(cut.cloning, cut.parts, [] {});
   const double changed = now(threads);

@@ -105,7 +105,7 @@ void state_of(Archive& archive, Instance& instance, const ElementParts& parts, b
   std::span<Table, 4> tables = instance.tables();
   archive.each("tables", tables,
                [&](Archive& a, Table& table) { columns_of(a, instance, table, whole); });
-  if (archive.loads() && instance.has_copies()) instance.read_parts(parts);
+  if (whole && instance.has_copies()) instance.state_of_copies(archive, parts);
 }
 
 /// The same parameters differ from element to element as in the scene, besides those of `fields`.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "kernel/attributes/shape.hpp"
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/reset_error.hpp"
 #include "kernel/plugin_host/host_extensions.hpp"
@@ -302,6 +303,8 @@ void Instance::add_copies(std::span<const Split> copies, const ElementParts& par
     if (!cells.is_all()) cells.append(copy);
   }
   if (rows.empty()) return;
+  for (const RowSplit& row : rows)
+    shapes_.push_back(static_cast<std::uint8_t>(whole_shape(row.old_row)));
   if (cells.is_all()) cells.append_all(static_cast<Index>(rows.size()));
   for (Column& column : table(3).columns) {
     column.append_copies(rows);
@@ -311,21 +314,32 @@ void Instance::add_copies(std::span<const Split> copies, const ElementParts& par
   fill_parts(parts, first_row);
 }
 
+void Instance::state_of_copies(Archive& archive, const ElementParts& parts) {
+  archive("shapes", shapes_);
+  archive.require(shapes_.size() == table(3).cells.size() - part_begin, "the rows differ");
+  if (archive.loads()) fill_parts(parts, part_begin);
+}
+
 void Instance::fill_parts(const ElementParts& parts, Index first_row) {
   if (!has_parts()) return;
   const Index rows = table(3).cells.size(), lanes = SUTURE_LANES;
+  shapes_.resize(rows - part_begin, static_cast<std::uint8_t>(RowShape::general));
+  is_part_.resize(rows - part_begin);
+  for (Index row = first_row; row < rows; ++row)
+    is_part_[row - part_begin] = parts.of(table(3).cells.cell(row)) != nullptr ? 1 : 0;
   moments_.resize(part_begin, rows);
   if (parts_are_general_) general_parts_.resize(part_begin, rows);
   // Behind the last one, in its block, are copies of it, so that nobody divides by 0.
   for (Index row = first_row; row < (rows + lanes - 1) / lanes * lanes; ++row) {
     const Index element = table(3).cells.cell(std::min(row, rows - 1));
-    const PartMoments& m = *parts.of(element);
+    const PartMoments* const part = parts.of(element);
+    const PartMoments m = part ? *part : PartMoments{};
     const auto& [x, y, z] = m.centroid;
     const auto& [yz, xz, xy] = m.covariance;
     moments_.set(row, std::array{m.fraction, x, y, z, yz + y * z, xz + x * z, xy + x * y});
     if (!parts_are_general_) continue;
     std::array<double, SUTURE_GENERAL_PART_COMPONENTS> values{m.fraction};
-    for (std::size_t i = 0; i < 12; ++i)
+    for (std::size_t i = 0; i < 12 && part; ++i)
       values[i + 1] = parts.general(element).gradients[i / 3][i % 3];
     general_parts_.set(row, values);
   }

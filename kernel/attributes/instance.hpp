@@ -155,15 +155,26 @@ class Instance {
   void add_copies(std::span<const Split> copies, const ElementParts& parts);
   /// Whether rows of elements were added: then their columns are no longer those of build().
   bool has_copies() const { return table(3).cells.size() > built_rows_; }
-  /// To be called when rows of elements were loaded.
-  void read_parts(const ElementParts& parts) { fill_parts(parts, part_begin); }
+  /// Saves the shapes of added rows; call after their cells, if has_copies().
+  void state_of_copies(Archive& archive, const ElementParts& parts);
   /// What functor `number` of the model does on such elements; null if nothing.
   const suture_functor* part_functor(std::size_t number) const {
     return part_functors_.empty() ? nullptr : part_functors_[number];
   }
+  /// Which functors compute a row. Copies of elements are parts, unless sewing has made them whole
+  /// again: then they have the shape that the element had.
+  enum class RowShape : std::uint8_t { box, skewed, general, part };
+  RowShape shape(Index row) const {
+    if (row >= part_begin)
+      return is_part_[row - part_begin] != 0 ? RowShape::part : whole_shape(row);
+    return row < skewed_begin    ? RowShape::box
+           : row < general_begin ? RowShape::skewed
+                                 : RowShape::general;
+  }
   /// Whether functors of SUTURE_GENERAL shape compute the row.
   bool is_general(Index row) const {
-    return row < part_begin ? row >= general_begin : parts_are_general_;
+    const RowShape of = shape(row);
+    return of == RowShape::part ? parts_are_general_ : of == RowShape::general;
   }
   /// SUTURE_PART_COLUMN or SUTURE_GENERAL_PART_COLUMN, from part_begin on.
   const PartColumn& part_column(std::uint32_t place) const {
@@ -187,6 +198,10 @@ class Instance {
   void find_part_functors();
   [[noreturn]] void refuse_parts(const suture_functor& functor) const;
   void fill_parts(const ElementParts& parts, Index first_row);
+  /// The shape of the row's element if it is, or became, whole.
+  RowShape whole_shape(Index row) const {
+    return row < part_begin ? shape(row) : static_cast<RowShape>(shapes_[row - part_begin]);
+  }
   void fill_parameter_columns();
   void fill_columns();
   void fill(const GivenColumn& given);
@@ -199,6 +214,7 @@ class Instance {
   std::vector<std::uint32_t> changed_fields_;
   std::array<Table, 4> tables_;
   std::vector<Column*> columns_, shared_columns_;
+  std::vector<std::uint8_t> shapes_, is_part_;  ///< by row, from part_begin on
   PartColumn moments_{SUTURE_PART_COMPONENTS};
   PartColumn general_parts_{SUTURE_GENERAL_PART_COMPONENTS};  ///< if parts_are_general_
   std::vector<const suture_functor*> part_functors_;          ///< empty if there are no parts

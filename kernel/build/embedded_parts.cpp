@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "kernel/base/archive.hpp"
+#include "kernel/parts/coarse_parts.hpp"
 #include "kernel/parts/cube_sides.hpp"
 #include "kernel/parts/face_contacts.hpp"
 #include "kernel/topology/dart.hpp"
@@ -34,6 +35,11 @@ void take_new_points(Parts& parts, Index first) {
 void EmbeddedParts::let_grow(const CellComplex& complex) {
   if (parts_.first.empty()) parts_.first.push_back(0);
   parts_.is_cut.assign(parts_.triangles.size(), 0);
+  lattice_.assign(complex.vertices().begin(), complex.vertices().end());
+  if (parts_.cells.empty())
+    for (std::size_t i = 0; i < parts_.elements.size(); ++i)
+      for (Index t = parts_.first[i]; t < parts_.first[i + 1]; ++t)
+        parts_.cells.push_back(t - parts_.first[i]);
   if (!parts_.empty()) return;  // its triangles are the surface
   parts_.outer_sides.assign(complex.element_count(), 0);
   for (Index e = 0; e < complex.element_count(); ++e)
@@ -55,6 +61,8 @@ void EmbeddedParts::append(const Parts& added, std::span<const Index> origins, I
   append(parts_.moments, added.moments);
   append(parts_.points, added.points);
   append(parts_.is_cut, added.is_cut);
+  append(parts_.cells, added.cells);
+  for (const Index origin : origins) lattice_origin_.push_back(lattice_element(origin));
   for (auto corners : added.tetrahedra) {
     for (Index& p : corners) p += first_point;
     parts_.tetrahedra.push_back(corners);
@@ -108,6 +116,7 @@ void EmbeddedParts::replace_tetrahedra(const Parts& refined, Index first_point) 
       auto corners = from.tetrahedra[t];
       for (Index& p : corners) p += offset;
       merged.tetrahedra.push_back(corners);
+      merged.cells.push_back(Index{from.cells[t]});
     }
     merged.first.push_back(static_cast<Index>(merged.tetrahedra.size()));
   };
@@ -123,7 +132,22 @@ void EmbeddedParts::replace_tetrahedra(const Parts& refined, Index first_point) 
   parts_.elements = std::move(merged.elements);
   parts_.moments = std::move(merged.moments);
   parts_.tetrahedra = std::move(merged.tetrahedra);
+  parts_.cells = std::move(merged.cells);
   parts_.first = std::move(merged.first);
+}
+
+void EmbeddedParts::coarsen(const CellComplex& complex, std::span<const Index> elements,
+                            std::size_t most) {
+  std::vector<Index> fine;
+  for (const Index e : elements) {
+    const std::size_t i = position_in(parts_.elements, e);
+    if (i < parts_.elements.size() && parts_.first[i + 1] - parts_.first[i] > most)
+      fine.push_back(e);
+  }
+  if (fine.empty()) return;
+  cut_of_triangle_.resize(parts_.triangles.size(), none);
+  is_current_ = false;
+  coarsen_parts(parts_, cut_of_triangle_, complex, {lattice_, lattice_origin_}, fine);
 }
 
 LipTriangle EmbeddedParts::triangle(std::size_t t) const {
@@ -231,6 +255,8 @@ void EmbeddedParts::state(Archive& archive) {
   archive.member("point at", parts_.points, &EmbeddedPoint::at);
   archive("tetrahedra", parts_.tetrahedra);
   archive("first", parts_.first);
+  archive("cells", parts_.cells);
+  archive("lattice origin", lattice_origin_);
   archive("triangles", parts_.triangles);
   archive("is cut", parts_.is_cut);
   archive("outer sides", parts_.outer_sides);

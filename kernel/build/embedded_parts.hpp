@@ -29,6 +29,9 @@ class EmbeddedParts final : public Follower {
   void append(const Parts& added, std::span<const Index> origins, Index cut = none);
   /// Elements have finer tetrahedra now. O(parts).
   void refine(const RefinedParts& refined);
+  /// Describes those of the elements that consist of more than `most` tetrahedra by as few as their
+  /// geometry needs (coarse_parts.hpp). Call within the operation that has made them.
+  void coarsen(const CellComplex& complex, std::span<const Index> elements, std::size_t most);
   /// A cut has laid open this side of an element.
   void open(Dart side, Index cut) { cut_of_side_[face_of(side)] = cut; }
   /// The number of the cut that has made each triangle of embedding(); none of others.
@@ -48,6 +51,10 @@ class EmbeddedParts final : public Follower {
 
  private:
   LipTriangle triangle(std::size_t t) const;
+  /// The element of the mesh of which an element is a copy, or the element itself.
+  Index lattice_element(Index element) const {
+    return element < lattice_.size() ? element : lattice_origin_[element - lattice_.size()];
+  }
   void inherit_cuts(std::size_t first_triangle, Index first_copy, std::span<const Index> origins,
                     Index cut);
   void inherit_sides(Index first, std::span<const Index> origins);
@@ -55,7 +62,9 @@ class EmbeddedParts final : public Follower {
   void replace_tetrahedra(const Parts& refined, Index first_point);
 
   Parts parts_;
-  std::vector<Index> cut_of_triangle_;           ///< of the parts; none: of no cut
+  std::vector<Hexahedron> lattice_;     ///< the vertices of the elements before all operations
+  std::vector<Index> lattice_origin_;   ///< of copies
+  std::vector<Index> cut_of_triangle_;  ///< of the parts; none: of no cut
   std::unordered_map<Dart, Index> cut_of_side_;  ///< by first dart
   bool has_grown_ = false;
   Embedding embedding_;

@@ -200,18 +200,44 @@ Connectivity CompiledFunctor::connectivity(const CellComplex& complex) const {
 /// Elements of the shape that the functor is written for, or all cells. A functor may treat a batch
 /// of boxes by itself, so that other shapes are not to be among them.
 std::vector<loops::Rows> CompiledFunctor::element_rows() const {
-  const Index all = cells().size(), skewed = instance_.skewed_begin,
-              general = instance_.general_begin, part = instance_.part_begin;
-  if (dimension_ < 3) return {{0, all}};
-  if (on_parts_) return {{part, all}};
-  if (functor_.shape == SUTURE_PARALLELEPIPED) return {{0, skewed}, {skewed, general}};
-  if (functor_.shape == SUTURE_GENERAL) return {{general, part}};
-  return {{0, part}};
+  const Index skewed = instance_.skewed_begin, general = instance_.general_begin,
+              part = instance_.part_begin;
+  if (dimension_ < 3) return {{0, cells().size()}};
+  std::vector<loops::Rows> rows;
+  if (!on_parts_ && functor_.shape == SUTURE_PARALLELEPIPED)
+    rows = {{0, skewed}, {skewed, general}};
+  else if (!on_parts_)
+    rows = {{functor_.shape == SUTURE_GENERAL ? general : 0, part}};
+  const std::vector<loops::Rows> more = rows_from(part);
+  rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
+}
+
+/// The rows of the functor among parts, and elements that were parts, from a row on.
+std::vector<loops::Rows> CompiledFunctor::rows_from(Index first) const {
+  using Shape = Instance::RowShape;
+  std::vector<loops::Rows> rows;
+  Shape last = Shape::part;
+  for (Index row = first; row < cells().size(); ++row) {
+    const Shape shape = instance_.shape(row);
+    const bool is_its = on_parts_ ? shape == Shape::part
+                        : functor_.shape == SUTURE_ANY_SHAPE
+                            ? shape != Shape::part
+                            : shape != Shape::part &&
+                                  (shape == Shape::general) == (functor_.shape == SUTURE_GENERAL);
+    if (!is_its) continue;
+    if (!rows.empty() && rows.back().end == row && shape == last)
+      ++rows.back().end;
+    else
+      rows.push_back({row, row + 1});
+    last = shape;
+  }
+  return rows;
 }
 
 bool CompiledFunctor::visits(const CellComplex& complex, Index row) const {
   if (skipped() || !admits(instance_, functor_, complex, row)) return false;
-  return dimension_ < 3 || (row >= instance_.part_begin) == on_parts_;
+  return dimension_ < 3 || (instance_.shape(row) == Instance::RowShape::part) == on_parts_;
 }
 
 bool CompiledFunctor::visits_some_faces() const {
@@ -272,13 +298,18 @@ void CompiledFunctor::update(const CellComplex& complex, const TopologyChange& c
   const Index before = rows_;
   rows_ = cells().size();
   const bool may_append = !visits_some_faces();
-  const bool gets_rows = dimension_ != 3 || on_parts_;  // new elements are parts
-  if (!may_append ||
-      (gets_rows && !list_.append(connectivity(complex), before, rows_, complex.count(0))))
-    return build(complex);
+  if (!may_append || !append(complex, before)) return build(complex);
   // Two vertices never meet in a third.
   if (dimension_ > 0 && !change.merges[0].empty() && !follow_merges(complex, change))
     build(complex);
+}
+
+/// Adds rows from `first` on; false if the list should be built again.
+bool CompiledFunctor::append(const CellComplex& complex, Index first) {
+  if (dimension_ < 3) return list_.append(connectivity(complex), first, rows_, complex.count(0));
+  return std::ranges::all_of(rows_from(first), [&](const loops::Rows& rows) {
+    return list_.append(connectivity(complex), rows.begin, rows.end, complex.count(0));
+  });
 }
 
 void CompiledFunctor::state(Archive& archive, const std::vector<bool>* fixed) {

@@ -117,6 +117,8 @@ class CompiledFunctor {
   bool visits_some_faces() const;
   std::vector<loops::Rows> wanted_rows(const CellComplex& complex) const;
   std::vector<loops::Rows> element_rows() const;
+  std::vector<loops::Rows> rows_from(Index first) const;
+  bool append(const CellComplex& complex, Index first);
   std::vector<loops::Rows> wanted_faces(const CellComplex& complex) const;
   bool follow_merges(const CellComplex& complex, const TopologyChange& change);
   std::vector<Index> rows_at(const CellComplex& complex, Dart dart) const;

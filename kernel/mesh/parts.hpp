@@ -22,6 +22,9 @@ struct PartMoments {
   double fraction = 1;  ///< volume of the part over that of the cube, in (0, 1]
   Vec3 centroid{};
   Vec3 covariance{};  ///< of (y, z), (x, z) and (x, y) about the centroid
+
+  /// Whether the part is all of its element.
+  bool is_whole() const { return fraction == 1; }
 };
 
 /// What the moments do not say if the element is no parallelepiped at rest.
@@ -54,6 +57,9 @@ struct Parts {
   /// first[i + 1]; positively oriented corners are positions in `points`.
   std::vector<std::array<Index, 4>> tetrahedra;
   std::vector<Index> first;
+  /// By tetrahedron: the number, within its element, of the convex cell that it is a piece of.
+  /// Empty: each tetrahedron is a cell.
+  std::vector<Index> cells;
   /// The surface of the body, closed and oriented outwards.
   std::vector<std::array<Index, 3>> triangles;
   std::vector<std::uint8_t> is_cut;  ///< by triangle: a blade made it; empty: none

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "kernel/base/box.hpp"
-#include "kernel/base/error.hpp"
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
 #include "kernel/operations/cut_along.hpp"
@@ -19,25 +18,37 @@ namespace {
 constexpr double tolerance_in_edges = 0.02;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Trilinear between the heights of the nodes. On a face, those of its nodes alone decide: both
-/// sides find the same bits.
+/// The height at a place: linear in each tetrahedron of the cube, so that a blade is a plane there.
+/// With x_a >= x_b >= x_c in [0, 1]^3, the tetrahedron has the corners 0, a, a + b, a + b + c, and
+///   h(x) = (1 - x_a) h_0 + (x_a - x_b) h_a + (x_b - x_c) h_ab + x_c h_abc.
+/// On a face, only the heights of its nodes count: both sides find the same bits.
 double height_at(const std::array<double, 8>& heights, const Vec3& at) {
-  const std::array<double, 8> weights = trilinear_weights(at);
-  double height = 0;
-  for (std::size_t n = 0; n < 8; ++n)
-    if (weights[n] != 0) height += weights[n] * heights[n];
+  std::array<unsigned, 3> axes{0, 1, 2};
+  std::ranges::sort(axes,
+                    [&](unsigned a, unsigned b) { return at[a] != at[b] ? at[a] > at[b] : a < b; });
+  double height = 0, before = 1;
+  unsigned corner = 0;
+  const auto add = [&](double weight) {
+    if (weight != 0) height += weight * heights[corner];
+  };
+  for (const unsigned a : axes) {
+    const double x = (1 + at[a]) / 2;
+    add(before - x);
+    before = x;
+    corner |= 1u << a;
+  }
+  add(before);
   return height;
 }
 
 }  // namespace
 
 BladePieces::BladePieces(const CellComplex& complex, const Parts& parts, const double* rows,
-                         const Blade& blade, const std::string& path, std::size_t stride)
+                         const Blade& blade, std::size_t stride)
     : complex_(complex),
       materials_(parts),
       rows_(rows),
       blade_(blade),
-      path_(path),
       stride_(stride),
       heights_(blade.heights(complex, rows, stride)),
       side_(complex.element_count(), 0),
@@ -100,14 +111,6 @@ void BladePieces::find_point_heights(const Material& material, const NodeHeights
   for (const Vec3& at : material.points) point_heights_.push_back(height_at(heights, at));
 }
 
-void BladePieces::check_size(const Material& material) const {
-  if (material.tetrahedra.size() > max_fragments)
-    throw NumericalError(path_ + ": a part of an element would consist of " +
-                         std::to_string(material.tetrahedra.size()) + " tetrahedra; the limit is " +
-                         std::to_string(max_fragments) +
-                         ". Cut less often there, or use smaller elements");
-}
-
 void BladePieces::divide(Index element) {
   const Hexahedron& nodes = complex_.vertices_of(element);
   const Material& material = materials_.of(element, own_);
@@ -126,7 +129,6 @@ void BladePieces::divide(Index element) {
   if (found.size() < 2 || !is_held(nodes, found)) return leave_whole(element);
   const auto first = static_cast<Index>(pieces_.size());
   for (DividedPart& part : found) {
-    check_size(part.material);
     BladePiece& piece = pieces_.emplace_back(BladePiece{element, part.side, std::move(part), {}});
     piece.own_triangles.emplace(piece.part.material);
   }
@@ -215,7 +217,6 @@ void BladePieces::refine(Index element, const NodeHeights& heights, PartWriter& 
   find_point_heights(material, heights);
   const RefinedMaterial refined = divider_.refine(material, point_heights_, tolerance_);
   if (refined.material.tetrahedra.size() == material.tetrahedra.size()) return;
-  check_size(refined.material);
   const Index first = writer.add_volume(element, refined.material);
   for (std::size_t t = 0; t < refined.sources.size(); ++t) {
     writer.add_triangle(first, refined.material.triangles[t], refined.material.is_cut[t] != 0);

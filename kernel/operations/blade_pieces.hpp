@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "kernel/operations/blade.hpp"
@@ -33,9 +32,9 @@ class BladePieces {
   };
 
   /// Finds the sides of the elements, and divides those that the blade crosses. All must outlive
-  /// this. Throws as cut_along().
+  /// this.
   BladePieces(const CellComplex& complex, const Parts& parts, const double* rows,
-              const Blade& blade, const std::string& path, std::size_t stride);
+              const Blade& blade, std::size_t stride);
 
   /// Elements with nodes on both sides of the blade, or nearer to it than a fiftieth of the
   /// element.
@@ -65,7 +64,6 @@ class BladePieces {
   void find_sides();
   NodeHeights node_heights(const Hexahedron& nodes) const;
   void find_point_heights(const Material& material, const NodeHeights& heights);
-  void check_size(const Material& material) const;
   void divide(Index element);
   void refine_beside_divided();
   void add_other_lips(const NodesByPlace& divided);
@@ -86,7 +84,6 @@ class BladePieces {
   PartMaterials materials_;
   const double* rows_;
   const Blade& blade_;
-  const std::string& path_;
   std::size_t stride_;
   std::vector<double> heights_;
   double tolerance_ = 0;  ///< m

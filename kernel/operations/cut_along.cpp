@@ -43,10 +43,10 @@ unsigned Touch::other_side() const { return cube_side_of(mate); }
 class Cutter {
  public:
   Cutter(const CellComplex& complex, const Parts& parts, const double* rows, const Blade& blade,
-         const std::string& path, std::size_t stride, std::span<const Tie> ties)
+         std::size_t stride, std::span<const Tie> ties)
       : complex_(complex),
         ties_(ties),
-        pieces_(complex, parts, rows, blade, path, stride),
+        pieces_(complex, parts, rows, blade, stride),
         writer_(result_.parts) {}
 
   BladeCut find() {
@@ -344,9 +344,8 @@ class Cutter {
 }  // namespace
 
 BladeCut cut_along(const CellComplex& complex, const Parts& parts, const double* rows,
-                   const Blade& blade, const std::string& path, std::size_t stride,
-                   std::span<const Tie> ties) {
-  return Cutter(complex, parts, rows, blade, path, stride, ties).find();
+                   const Blade& blade, std::size_t stride, std::span<const Tie> ties) {
+  return Cutter(complex, parts, rows, blade, stride, ties).find();
 }
 
 }  // namespace suture

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "kernel/mesh/parts.hpp"
@@ -30,10 +29,6 @@ struct BladeCut {
   bool empty() const { return divided == 0 && cloning.cut.empty(); }
 };
 
-/// The most tetrahedra that a part may consist of: seven to nine cuts through one part of an
-/// element.
-inline constexpr std::size_t max_fragments = 4096;
-
 /// The cut along a blade. An element that it crosses becomes one copy per connected part of its
 /// material, and copies of neighbours stay joined where parts on the same side of the blade touch.
 /// Where the blade lies within 0.02 edges of all corners of a face, it separates the elements
@@ -48,11 +43,9 @@ inline constexpr std::size_t max_fragments = 4096;
 /// `ties`: left by earlier steps of the same blade. They are resolved when it has divided the
 /// element, too.
 ///
-/// `parts`: of the complex, whose elements are a lattice (first_off_lattice()). Throws
-/// NumericalError, with `path` in front, if a part would have more than max_fragments tetrahedra.
-/// O(elements), and 6 us per element that is divided.
+/// `parts`: of the complex, whose elements are a lattice (first_off_lattice()). O(elements), and 6
+/// us per element that is divided.
 BladeCut cut_along(const CellComplex& complex, const Parts& parts, const double* rows,
-                   const Blade& blade, const std::string& path, std::size_t stride = 4,
-                   std::span<const Tie> ties = {});
+                   const Blade& blade, std::size_t stride = 4, std::span<const Tie> ties = {});
 
 }  // namespace suture

@@ -16,6 +16,7 @@
 #include "kernel/operations/reunite.hpp"
 #include "kernel/operations/sew_embedded.hpp"
 #include "kernel/operations/swept_sheet.hpp"
+#include "kernel/parts/coarse_parts.hpp"
 
 namespace suture {
 
@@ -172,7 +173,13 @@ EventOutcome EventRunner::Call::operator()(const SewFaces& sew) const {
 }
 
 TopologyChange EventRunner::Call::sew_now(const std::vector<Seam>& seams) const {
-  if (built.is_embedded()) built.embedded_parts().join(seams);
+  if (built.is_embedded()) {
+    std::vector<Index> elements;
+    for (const auto& [one, other] : seams)
+      elements.insert(elements.end(), {element_of(one), element_of(other)});
+    built.embedded_parts().join(seams);
+    built.embedded_parts().coarsen(built.body().complex(), elements, 0);
+  }
   return built.body().sew(seams);
 }
 
@@ -187,8 +194,7 @@ EventOutcome EventRunner::Call::operator()(const Tear&) const {
 }
 
 EventOutcome EventRunner::Call::cut_along_blade(const Blade& blade) const {
-  const BladeCut cut =
-      cut_along(built.body().complex(), built.parts(), shape(), blade, event.path + "/cut/along");
+  const BladeCut cut = cut_along(built.body().complex(), built.parts(), shape(), blade);
   if (cut.empty())
     warn_once(
         " cut no element: the blade misses the body, only touches it, or holds no "
@@ -223,7 +229,7 @@ EventOutcome EventRunner::Call::cut_to(const std::vector<Vec3>& edge, double at,
   BladeCut cut;
   try {
     cut = cut_along(built.body().complex(), built.parts(), built.body().attributes().rest().rows(),
-                    *blade, event.path + "/cut/along", 4, state.sheet->ties());
+                    *blade, 4, state.sheet->ties());
   } catch (...) {
     state.sheet->give_up_rows();
     throw;
@@ -248,6 +254,9 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
   built.body().clone_volume(cut.cloning, cut.parts, [&] {
     built.embedded_parts().refine(cut.refined);
     built.embedded_parts().append(cut.parts, cut.cloning.origins, cut_number());
+    built.embedded_parts().coarsen(built.body().complex(), cut.parts.elements, many_tetrahedra);
+    built.embedded_parts().coarsen(built.body().complex(), cut.refined.parts.elements,
+                                   many_tetrahedra);
   });
   return outcome;
 }
@@ -285,6 +294,7 @@ Index EventRunner::Call::sew_divided(const SewFaces& sew) const {
   body.clone_volume(reunion.cloning, reunion.parts, [&] {
     built.embedded_parts().append(reunion.parts, reunion.cloning.origins);
     built.embedded_parts().join(reunion.cloning.seams);
+    built.embedded_parts().coarsen(body.complex(), reunion.parts.elements, 0);
   });
   SeamBatch batch(body.complex());
   for (const Seam& seam : reunion.seams) batch.add(seam, naming());

@@ -2,6 +2,7 @@
 #include "kernel/operations/reunite.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -29,6 +30,10 @@
 
 namespace suture {
 namespace {
+
+// An element is whole again if no more than this share of it is missing: divisions drop parts
+// smaller than 1e-13.
+constexpr double whole_rounding = 1e-9;
 
 using FacePoints = std::array<Index, 4>;
 struct HashOfPoints {
@@ -188,7 +193,9 @@ class Uniter {
     MomentSum sum;
     const auto& x = together.points;
     for (const auto& [a, b, c, d] : together.tetrahedra) sum.add({x[a], x[b], x[c], x[d]});
-    writer_.end_copy(copy, sum.moments());
+    const PartMoments moments = sum.moments();
+    const bool is_whole = std::abs(moments.fraction - 1) < whole_rounding;
+    writer_.end_copy(copy, is_whole ? PartMoments{} : moments);
   }
 
   /// One material of all, without the lips that they have in common. What is at the same place is
@@ -196,6 +203,7 @@ class Uniter {
   static Material united(std::span<const Material> materials) {
     Material result;
     std::map<Vec3, Index> number_at;
+    Index first_cell = 0;
     for (const Material& material : materials) {
       const auto number = [&](Index p) {
         const Vec3& at = material.points[p];
@@ -206,6 +214,8 @@ class Uniter {
       };
       for (const auto& [a, b, c, d] : material.tetrahedra)
         result.tetrahedra.push_back({number(a), number(b), number(c), number(d)});
+      for (const Index cell : material.cells) result.cells.push_back(first_cell + cell);
+      first_cell = std::ranges::max(result.cells) + 1;
       for (std::size_t t = 0; t < material.triangles.size(); ++t) {
         if (material.is_cut[t] != 0 && has_lip_before(material, t, materials)) continue;
         const auto& [a, b, c] = material.triangles[t];

@@ -300,6 +300,7 @@ class Divider::PartBuilder {
     sides_.clear();
     for (const Vec3& point : clipping.points) sides_.push_back(sides_at(point));
     find_parts(faces);
+    number_cells();
     for (Index f = 0; f < clipping.fragments.size(); ++f) add_fragment(f);
     for (Index face = 0; face < 4 * clipping.fragments.size(); ++face) {
       const Index mate = faces.mate(face);
@@ -315,6 +316,8 @@ class Divider::PartBuilder {
       if (parts_[p].moments.fraction > 0) found.push_back(parts_[p]);
     return found;
   }
+
+  double dropped() const { return dropped_; }
 
  private:
   const Fragment& fragment(Index face) const { return clipping_->fragments[face / 4]; }
@@ -347,9 +350,12 @@ class Divider::PartBuilder {
       for (std::size_t i = 0; i < 4; ++i) places[i] = clipping_->points[fragments[f].corners[i]];
       sums_[part_of_[f]].add(places);
     }
+    dropped_ = 0;
     for (std::size_t p = 0; p < count_; ++p) {
       parts_[p].moments = sums_[p].moments();
-      if (!(parts_[p].moments.fraction >= smallest_part)) parts_[p].moments.fraction = 0;
+      if (parts_[p].moments.fraction >= smallest_part) continue;
+      if (parts_[p].moments.fraction > 0) dropped_ += parts_[p].moments.fraction;
+      parts_[p].moments.fraction = 0;
     }
     number_of_.assign(count_ * clipping_->points.size(), none);
   }
@@ -357,6 +363,19 @@ class Divider::PartBuilder {
     if (number == parts_.size()) parts_.emplace_back();
     parts_[number].side = side;
     parts_[number].material.clear();
+  }
+
+  /// A cell of the material is on one side of the blade in each part.
+  void number_cells() {
+    const std::vector<Index>& cells = material_->cells;
+    cell_count_ = cells.empty() ? 0 : std::ranges::max(cells) + std::size_t{1};
+    number_of_cell_.assign(count_ * cell_count_, none);
+    cells_of_part_.assign(count_, 0);
+  }
+  Index cell(std::size_t part, Index parent) {
+    Index& number = number_of_cell_[part * cell_count_ + material_->cells[parent]];
+    if (number == none) number = cells_of_part_[part]++;
+    return number;
   }
 
   Index number(std::size_t part, Index point) {
@@ -372,7 +391,9 @@ class Divider::PartBuilder {
   void add_fragment(Index f) {
     Tetrahedron corners = clipping_->fragments[f].corners;
     for (Index& p : corners) p = number(part_of_[f], p);
-    parts_[part_of_[f]].material.tetrahedra.push_back(corners);
+    Material& material = parts_[part_of_[f]].material;
+    material.tetrahedra.push_back(corners);
+    material.cells.push_back(cell(part_of_[f], clipping_->fragments[f].parent));
   }
 
   void add_triangle(Index face, bool is_cut) {
@@ -397,9 +418,12 @@ class Divider::PartBuilder {
   std::vector<std::uint8_t> sides_;  ///< of the cube, by point
   std::vector<DividedPart> parts_;   ///< the first `count_` of this division
   std::size_t count_ = 0;
+  double dropped_ = 0;                ///< the share of the cube in parts that are left out
   std::vector<MomentSum> sums_;       ///< by part
   std::vector<std::size_t> part_of_;  ///< by fragment
   std::vector<Index> number_of_;      ///< by part and point
+  std::size_t cell_count_ = 0;        ///< of the material
+  std::vector<Index> number_of_cell_, cells_of_part_;  ///< by part and cell; by part
 };
 
 const Material& Material::full_element() {
@@ -407,7 +431,10 @@ const Material& Material::full_element() {
     const CutPattern& pattern = cut_pattern(all_corners);
     Material material;
     for (const PatternPoint point : pattern.points) material.points.push_back(place_of(point, 0));
-    for (const auto& [a, b, c, d] : pattern.tetrahedra) material.tetrahedra.push_back({a, b, c, d});
+    for (const auto& [a, b, c, d] : pattern.tetrahedra) {
+      material.cells.push_back(static_cast<Index>(material.tetrahedra.size()));
+      material.tetrahedra.push_back({a, b, c, d});
+    }
     return material;
   }();
   return full;
@@ -430,6 +457,8 @@ Divider::Divider()
       parts_(std::make_unique<PartBuilder>()) {}
 Divider::~Divider() = default;
 
+double Divider::dropped() const { return parts_->dropped(); }
+
 std::vector<DividedPart> Divider::divide(const Material& material,
                                          const std::vector<double>& heights, double tolerance) {
   clipping_->clip(material, heights, tolerance);
@@ -443,8 +472,10 @@ RefinedMaterial Divider::refine(const Material& material, const std::vector<doub
   const std::vector<Fragment>& fragments = clipping_->fragments;
   RefinedMaterial refined;
   refined.material.points = clipping_->points;
-  for (const Fragment& fragment : fragments)
+  for (const Fragment& fragment : fragments) {
     refined.material.tetrahedra.push_back(fragment.corners);
+    refined.material.cells.push_back(Index{material.cells[fragment.parent]});
+  }
   if (material.triangles.empty()) return refined;
   faces_->find(fragments);
   OldSurface before;

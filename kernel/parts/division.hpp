@@ -29,6 +29,8 @@ namespace suture {
 struct Material {
   std::vector<Vec3> points;                      ///< in the reference cube [-1, 1]^3
   std::vector<std::array<Index, 4>> tetrahedra;  ///< positively oriented
+  /// By tetrahedron: its convex cell (coarse_parts.hpp), numbered from 0.
+  std::vector<Index> cells;
   /// The surface of the body inside the cube, oriented outwards; sides of the cube do not count.
   std::vector<std::array<Index, 3>> triangles;
   std::vector<std::uint8_t> is_cut;  ///< by triangle: a blade made it
@@ -38,12 +40,14 @@ struct Material {
   void clear() {
     points.clear();
     tetrahedra.clear();
+    cells.clear();
     triangles.clear();
     is_cut.clear();
   }
 };
 
-/// A connected part of a divided material.
+/// A connected part of a divided material. Each cell of the material is divided into one on either
+/// side of the blade.
 struct DividedPart {
   Material material;
   PartMoments moments;
@@ -74,6 +78,8 @@ class Divider {
   /// of the cube, too.
   RefinedMaterial refine(const Material& material, const std::vector<double>& heights,
                          double tolerance);
+  /// The share of the cube in the parts that the last divide() has dropped.
+  double dropped() const;
 
  private:
   class Clipping;

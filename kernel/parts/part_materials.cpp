@@ -68,6 +68,8 @@ const Material& PartMaterials::of(Index element, Material& own) const {
   };
   for (const auto& [a, b, c, d] : tetrahedra)
     own.tetrahedra.push_back({add(a), add(b), add(c), add(d)});
+  for (Index t = parts_.first[place]; t < parts_.first[place + 1]; ++t)
+    own.cells.push_back(parts_.cells.empty() ? t - parts_.first[place] : Index{parts_.cells[t]});
   const auto number_of = [&](Index p) { return p < low || p > high ? none : number[p - low]; };
   for (const auto& [e, t] : triangles_of(element)) {
     const auto& [a, b, c] = parts_.triangles[t];

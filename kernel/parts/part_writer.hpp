@@ -30,6 +30,7 @@ class PartWriter {
   Index add_points(Index element, std::span<const Vec3> places);
 
   Parts& parts_;
+  Index next_cell_ = 0;  ///< of the copy that is being written
 };
 
 }  // namespace suture

@@ -73,19 +73,43 @@ std::vector<SurfaceTriangle> triangles_of_faces(std::span<const Dart> faces) {
 
 namespace {
 
-/// A triangle that a blade has clipped out of another lies in it, but for rounding.
-bool lies_in(const SurfaceTriangle& small, const SurfaceTriangle& large) {
-  constexpr double rounding = 1e-9;
+constexpr double piece_rounding = 1e-9;
+
+double twice_area_of(const std::array<Vec3, 3>& t) {
+  return norm(cross(minus(t[1], t[0]), minus(t[2], t[0])));
+}
+
+/// Adds to `found` the piece of a triangle that lies in another one of the same plane, in
+/// triangles. Returns twice its area.
+double add_piece(const SurfaceTriangle& triangle, const SurfaceTriangle& large,
+                 std::vector<SurfaceTriangle>& found) {
   const auto& [a, b, c] = large.corners;
-  Vec3 middle{};
-  for (const Vec3& corner : small.corners) middle = plus(middle, scaled(1.0 / 3, corner));
-  const Vec3 arm = minus(middle, a), normal = cross(minus(b, a), minus(c, a));
-  if (std::abs(dot(arm, normal)) > rounding * norm(normal)) return false;
-  const auto is_inside = [&](const Vec3& from, const Vec3& to) {
-    return dot(cross(minus(to, from), minus(middle, from)), normal) >=
-           -rounding * dot(normal, normal);
-  };
-  return is_inside(a, b) && is_inside(b, c) && is_inside(c, a);
+  const Vec3 normal = cross(minus(b, a), minus(c, a));
+  const double size = norm(normal);
+  for (const Vec3& corner : triangle.corners)
+    if (std::abs(dot(minus(corner, a), normal)) > piece_rounding * size) return 0;
+  std::vector<Vec3> polygon(triangle.corners.begin(), triangle.corners.end());
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 &from = large.corners[i], along = minus(large.corners[(i + 1) % 3], from);
+    const auto height = [&](const Vec3& p) { return dot(cross(along, minus(p, from)), normal); };
+    std::vector<Vec3> inside;
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const Vec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+      const double at_p = height(p), at_q = height(q);
+      if (at_p >= 0) inside.push_back(p);
+      if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0))
+        inside.push_back(plus(p, scaled(at_p / (at_p - at_q), minus(q, p))));
+    }
+    polygon = std::move(inside);
+  }
+  double area = 0;
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    const std::array<Vec3, 3> piece{polygon[0], polygon[i - 1], polygon[i]};
+    if (!(twice_area_of(piece) > piece_rounding * twice_area_of(triangle.corners))) continue;
+    area += twice_area_of(piece);
+    found.push_back({triangle.element, piece});
+  }
+  return area;
 }
 
 /// visit(triangle) for what part i has of the surface of its element: triangles that no blade made,
@@ -122,18 +146,18 @@ std::vector<SurfaceTriangle> triangles_of_copies(std::span<const SurfaceTriangle
   std::vector<SurfaceTriangle> found;
   std::vector<Split> by_copy(copies.begin(), copies.end());
   std::ranges::stable_sort(by_copy, {}, &Split::new_cell);
-  for_each_outer_triangle(parts, [&](const SurfaceTriangle& small) {
-    const auto had = [&](const Split& copy) {
-      const auto [first, last] = of_element.equal_range(copy.old_cell);
-      return std::any_of(first, last,
-                         [&](const auto& entry) { return lies_in(small, *entry.second); });
-    };
-    auto copy = std::ranges::lower_bound(by_copy, small.element, {}, &Split::new_cell);
-    const auto is_of_small = [&] {
-      return copy != by_copy.end() && copy->new_cell == small.element;
-    };
-    while (is_of_small() && !had(*copy)) ++copy;
-    if (is_of_small()) found.push_back(small);
+  for_each_outer_triangle(parts, [&](const SurfaceTriangle& triangle) {
+    const std::size_t before = found.size();
+    double area = 0;
+    auto copy = std::ranges::lower_bound(by_copy, triangle.element, {}, &Split::new_cell);
+    for (; copy != by_copy.end() && copy->new_cell == triangle.element; ++copy) {
+      const auto [first, last] = of_element.equal_range(copy->old_cell);
+      for (auto entry = first; entry != last; ++entry)
+        area += add_piece(triangle, *entry->second, found);
+    }
+    if (area == 0 || area < (1 - piece_rounding) * twice_area_of(triangle.corners)) return;
+    found.resize(before);  // it lies in them as a whole
+    found.push_back(triangle);
   });
   std::ranges::stable_sort(found, {}, &SurfaceTriangle::element);
   return found;

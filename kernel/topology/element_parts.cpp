@@ -61,12 +61,14 @@ const PartMoments* ElementParts::of(Index element) const {
 }
 
 void ElementParts::begin_copies(const Parts& copies, std::span<const GeneralPart> general) {
-  const std::size_t first = moments_.size();
-  elements_.insert(elements_.end(), copies.elements.begin(), copies.elements.end());
-  moments_.insert(moments_.end(), copies.moments.begin(), copies.moments.end());
-  general_.insert(general_.end(), general.begin(), general.end());
-  for (std::size_t i = 0; i < general.size(); ++i)
-    moments_[first + i].fraction = general[i].fraction;
+  for (std::size_t i = 0; i < copies.elements.size(); ++i) {
+    if (copies.moments[i].is_whole()) continue;
+    elements_.push_back(copies.elements[i]);
+    moments_.push_back(copies.moments[i]);
+    if (general.empty()) continue;
+    general_.push_back(general[i]);
+    moments_.back().fraction = general[i].fraction;
+  }
   copies_ = &copies;
 }
 

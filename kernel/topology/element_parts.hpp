@@ -46,7 +46,7 @@ class ElementParts {
   bool may_grow() const { return may_grow_; }
   void let_grow() { may_grow_ = true; }
   /// Adds the parts of copies, which follow all others; `copies` outlives the operation. `general`:
-  /// of each of them if are_general(), else empty.
+  /// of each of them if are_general(), else empty. Those that are whole again are full elements.
   void begin_copies(const Parts& copies, std::span<const GeneralPart> general);
   void end_copies() { copies_ = nullptr; }
   /// During an operation that makes copies, and for its followers: their material; null otherwise.

@@ -58,9 +58,8 @@ struct BladeBody : PartBody {
   BladeBody(BladeBody&&) = delete;
 
   Index cut(const PlanePatch& plane) {
-    const suture::BladeCut cut =
-        suture::cut_along(complex(), parts.parts(), attributes().rest().rows(),
-                          suture::PlaneBlade(plane), "/events/0");
+    const suture::BladeCut cut = suture::cut_along(
+        complex(), parts.parts(), attributes().rest().rows(), suture::PlaneBlade(plane));
     clone_volume(cut.cloning, cut.parts, [&] {
       parts.refine(cut.refined);
       parts.append(cut.parts, cut.cloning.origins);

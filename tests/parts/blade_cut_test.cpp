@@ -170,28 +170,6 @@ TEST(blade_cut, random_discs_keep_volume_surface_and_map) {
   }
 }
 
-TEST(blade_cut, too_many_fragments_in_one_element_are_refused) {
-  CutBox box({1, 1, 1});
-  std::mt19937_64 random(7);
-  const auto cut_until_refused = [&] {
-    for (int i = 0; i < 400; ++i) {
-      PlanePatch plane = random_plane(random, 1);
-      // Tangents of a ball: what is inside stays one part.
-      plane.point = plus({0.5, 0.5, 0.5}, scaled(0.45, plane.normal));
-      box.cut(plane);
-      box.complex.validate();
-    }
-  };
-  try {
-    cut_until_refused();
-    FAIL() << "no limit was reached";
-  } catch (const NumericalError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/events/0: a part of an element would consist of"));
-    EXPECT_THAT(error.what(), HasSubstr("the limit is 4096"));
-  }
-  EXPECT_NEAR(box.volume(), 1, 1e-12);
-}
-
 TEST(blade_cut, cloning_refuses_what_was_not_joined) {
   CutBox box({3, 1, 1});
   const auto refuse = [&](const Cloning& cloning, const char* reason) {

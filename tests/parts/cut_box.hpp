@@ -18,6 +18,7 @@
 #include "kernel/operations/match_faces.hpp"
 #include "kernel/operations/reunite.hpp"
 #include "kernel/operations/seam_batch.hpp"
+#include "kernel/parts/coarse_parts.hpp"
 #include "kernel/parts/lattice.hpp"
 #include "kernel/topology/islands.hpp"
 
@@ -30,7 +31,8 @@ struct CutBox {
   EmbeddedParts parts{Parts{}};
   Islands islands;
 
-  std::vector<Index> origin, point;  ///< of elements and vertices, before all operations
+  std::size_t most = many_tetrahedra;  ///< of a part that stays as it is
+  std::vector<Index> origin, point;    ///< of elements and vertices, before all operations
 
   explicit CutBox(std::array<Index, 3> cells) : complex(imported(cells, rows)), islands(complex) {
     for (Index e = 0; e < complex.element_count(); ++e) origin.push_back(e);
@@ -53,11 +55,13 @@ struct CutBox {
 
   BladeCut cut(const PlanePatch& patch) { return cut(PlaneBlade(patch)); }
   BladeCut cut(const Blade& blade) {
-    BladeCut cut = cut_along(complex, parts.parts(), rows[0].data(), blade, "/events/0", 3);
+    BladeCut cut = cut_along(complex, parts.parts(), rows[0].data(), blade, 3);
     if (cut.empty()) return cut;
     const TopologyChange change = complex.clone_volume(cut.cloning);
     parts.refine(cut.refined);
     parts.append(cut.parts, cut.cloning.origins);
+    parts.coarsen(complex, cut.parts.elements, most);
+    parts.coarsen(complex, cut.refined.parts.elements, most);
     follow(change);
     if (!cut.seams.empty()) sew(cut.seams);
     return cut;
@@ -69,6 +73,7 @@ struct CutBox {
     const TopologyChange change = complex.clone_volume(reunion.cloning);
     parts.append(reunion.parts, reunion.cloning.origins);
     parts.join(reunion.cloning.seams);
+    parts.coarsen(complex, reunion.parts.elements, 0);
     follow(change);
     sew(reunion.seams);
   }
@@ -76,6 +81,10 @@ struct CutBox {
     SeamBatch batch(complex);
     for (const Seam& seam : seams) EXPECT_FALSE(batch.add(seam));
     parts.join(batch.seams());
+    std::vector<Index> elements;
+    for (const auto& [one, other] : batch.seams())
+      elements.insert(elements.end(), {element_of(one), element_of(other)});
+    parts.coarsen(complex, elements, 0);
     follow(complex.sew(batch.seams()));
   }
   void remove(const std::vector<Index>& elements) { follow(complex.pierce(elements)); }

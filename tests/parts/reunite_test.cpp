@@ -12,6 +12,7 @@
 #include "kernel/run/simulation.hpp"
 #include "tests/parts/blade_event.hpp"
 #include "tests/parts/cut_box.hpp"
+#include "tests/parts/plane_parts.hpp"
 #include "tests/run/equilibrium.hpp"
 
 namespace suture::test::reunite_test {
@@ -156,6 +157,58 @@ TEST(Reunite, ASewnBarDeformsAsOneThatWasNeverCut) {
   whole.simulation.run_to(1, whole.nobody);
   EXPECT_GT(norm(whole.end()), 0.1);
   EXPECT_LT(norm(minus(sewn.end(), whole.end())), 1e-6 * norm(whole.end()));
+}
+
+/// The stored energy of a simulation's body in a state that depends on rest places alone.
+double energy_when_bent(Simulation& simulation) {
+  Body& body = simulation.built().body();
+  Attributes& a = body.attributes();
+  for (Index v = 0; v < a.vertex_count(); ++v) {
+    const Vec3 x = row(a.rest().rows(), v);
+    a.position().set(v, 0, 1.1 * x[0] + 0.02 * x[0] * x[1]);
+    a.position().set(v, 1, x[1] + 0.01 * x[0] * x[0]);
+    a.position().set(v, 2, 0.95 * x[2] + 0.05 * x[1] * x[2]);
+  }
+  return body.models().energy(0);
+}
+
+// The functor of whole elements computes them again, whatever their shape, also after a resume and
+// when other elements have been cut and sewn since.
+TEST(Reunite, MakesElementsWholeForTheirLaw) {
+  for (const bool is_warped : {false, true})
+    for (const int element : {0, 1}) {
+      SCOPED_TRACE(std::to_string(element) + (is_warped ? ", warped" : ""));
+      Scene scene = block(tree_plugins(), "tm-faure", {8, 3, 3}, {8, 3, 3},
+                          {{"E", 1e5}, {"nu", 0.3}, {"rho", 1000}, {"element", element}});
+      if (is_warped) {
+        scene.mesh.given =
+            std::make_shared<const Mesh>(parts_test::warped(make_box(*scene.mesh.box), 0.2));
+        scene.mesh.box.reset();
+      }
+      for (const double slope : {0.3, -0.2}) {
+        scene.events.push_back(divide({4.1, 1.4, 1.6}, {1, slope, 0.6}));
+        scene.events.back().at = 0;
+        scene.events.emplace_back().what = SewFaces{};
+        scene.events.back().path = "/events/1";
+        scene.events.back().at = 0;
+      }
+      SewnRun sewn(scene);
+      sewn.simulation.run_to(1e-5, sewn.nobody);
+      Body& body = sewn.simulation.built().body();
+      EXPECT_EQ(body.complex().existing(3), 72u);
+      EXPECT_GT(body.complex().element_count(), 90u);
+      EXPECT_TRUE(sewn.simulation.built().parts().empty());
+      const StateTree state = sewn.simulation.save();
+      const double energy = energy_when_bent(sewn.simulation);
+      SewnRun resumed(scene);
+      resumed.simulation.load(state);
+      EXPECT_EQ(energy_when_bent(resumed.simulation), energy);
+      scene.events.clear();
+      scene.is_divisible = true;
+      SewnRun whole(scene);
+      whole.simulation.run_to(1e-5, whole.nobody);
+      EXPECT_NEAR(energy_when_bent(whole.simulation) / energy, 1, 1e-13);
+    }
 }
 
 // The halves fly apart, and are sewn when they are apart.

@@ -94,7 +94,7 @@ int live(const LiveCommand& command, Console& console) {
   run.end();
   if (run.recording().has_inputs())
     console.print("repeat with: suture run " + run.recording().path().string());
-  return 0;
+  return run.exit_code();
 }
 
 }  // namespace suture

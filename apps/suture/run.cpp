@@ -116,10 +116,14 @@ void print_summary(const RunSummary& summary, Console& console) {
   if (summary.faces_sewn > 0) text += ", " + count(summary.faces_sewn, "face") + " sewn";
   if (summary.elements_removed > 0)
     text += ", " + count(summary.elements_removed, "element") + " removed";
+  if (summary.events_skipped > 0)
+    text += ", " + count(summary.events_skipped, "event") + " skipped";
   if (summary.inverted_elements > 0) {
     text += ", " + count(summary.inverted_elements, "inverted element");
   }
   console.print(text);
+  if (summary.debris.pieces > 0)
+    console.print("debris removed: " + describe(summary.debris, summary.volume_at_start));
   if (!summary.pvd.empty()) console.print("open in ParaView: " + summary.pvd);
 }
 
@@ -165,12 +169,24 @@ Scene scene_of(const RunCommand& command, const std::optional<Recording>& record
   return scene;
 }
 
-/// Repeats a recording to its end; its last step is that of the run.
+/// Whether the command says when a run ends.
+bool gives_end(const RunCommand& command) {
+  return std::ranges::any_of(
+      command.sets, [](const std::string& set) { return set.starts_with("/solver/end="); });
+}
+
+/// Repeats a recording to its end; its last step is that of the run, unless the command gives an
+/// end.
 RunSummary run(Simulation& simulation, const std::optional<Recording>& recording,
-               const Scene& scene, Watcher& watcher, Console& console) {
+               const Scene& scene, const RunCommand& command, Watcher& watcher, Console& console) {
   if (!recording || !repeat(*recording, scene, simulation, watcher, console.diagnostics()))
     return simulation.run(watcher);
   compare_end(*recording, simulation, console.diagnostics());
+  if (gives_end(command)) return simulation.run(watcher);
+  if (recording->end.empty() && recording->failure.empty())
+    console.diagnostics().warn(
+        "the recording has no end, as that of a program that was killed; it is repeated up to its "
+        "last input. To go on from there, give --set /solver/end=SECONDS");
   watcher.end();
   RunSummary summary = simulation.run(watcher);
   summary.outcome = RunSummary::Outcome::finished;
@@ -245,7 +261,7 @@ int run(const RunCommand& command, Console& console) {
   if (console.verbose()) simulation.measure();
   has_started();
   Watcher watcher(console, processes, !simulation.built().dynamics().is_implicit());
-  const RunSummary summary = run(simulation, recording, scene, watcher, console);
+  const RunSummary summary = run(simulation, recording, scene, command, watcher, console);
   if (!console.quiet()) print_summary(summary, console);
   print_costs(simulation.costs(), summary.seconds, console);
   if (processes && console.verbose())

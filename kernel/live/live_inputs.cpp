@@ -60,6 +60,7 @@ void LiveRun::obey(const std::string& text, Observer& observer) {
     const Json input = Json::parse(text);
     what = input.at("do");
     if (control(what, input, observer)) return;
+    if (status_.has_failed && (what == "drag" || what == "let_go" || what == "aim")) return;
     if (status_.has_failed)
       throw InputError("the run has failed; take the last action back, or reset it");
     act(what, input, observer);
@@ -68,7 +69,7 @@ void LiveRun::obey(const std::string& text, Observer& observer) {
   } catch (const IoError&) {
     throw;  // of the recording
   } catch (const NumericalError& error) {
-    fail(error.what());
+    fail(error);
   } catch (const Error& error) {
     tell("error", error.what());
   }
@@ -82,6 +83,8 @@ bool LiveRun::control(const std::string& what, const Json& input, Observer& obse
     reset(observer);
   } else if (what == "back") {
     go_back(input, observer);
+  } else if (what == "remove_piece") {
+    remove_failed_piece(observer);
   } else if (what == "field") {
     pictures_->choose(input.at("name"));
     field_ = input.at("name");
@@ -251,20 +254,51 @@ void LiveRun::go_back(const Json& input, Observer& observer) {
   tell_lists();
 }
 
-LiveState LiveRun::state_now() {
+/// Repeats the steps from the last copy of the state to the last good one, and removes there the
+/// piece at which the run has failed, with all that are no larger. What the mouse held is released.
+void LiveRun::remove_failed_piece(Observer& observer) {
+  require_own("remove a piece");
+  if (!status_.has_failed || !simulation_->failed_piece())
+    throw InputError("the run has not failed at a small piece; there is nothing to remove");
+  const FailedPiece piece = *simulation_->failed_piece();
+  const auto done = recording_->has_inputs() ? recording_->read().inputs
+                                             : std::vector<RecordedInput>();
+  std::optional<LiveState> from = std::exchange(recent_, std::nullopt);
+  if (from && from->step > piece.good_step) from.reset();
+  kept_.drop_after(piece.good_step);
+  build(pictures_->last_number(), from ? &from->state : start_ ? &*start_ : nullptr);
+  const std::size_t first = from ? from->inputs : 0;
+  from ? recording_->back(from->step, first) : recording_->reset();
+  const auto run_to = [&](std::uint64_t step) {
+    if (simulation_->step() < step)
+      simulation_->advance({{}, step - simulation_->step()}, observer);
+  };
+  for (std::size_t i = first; i < done.size() && done[i].step <= piece.good_step; ++i) {
+    run_to(done[i].step);
+    apply(done[i].value, observer, done[i].device);
+  }
+  run_to(piece.good_step);
+  if (!simulation_->built().body().constraints().held_by(hand_name).empty())
+    apply(release_input(hand_name), observer);
+  apply(json_text(Json{{"remove_islands", {{"volume", 1.001 * piece.volume}}}}), observer);
+  observer.on_message(timed(simulation_->time(), "the run goes on without " + piece.text()));
+  tell_lists();
+  play(true);
+}
+
+LiveState LiveRun::state_now(StateTree spare) {
   LiveState kept;
   kept.time = simulation_->time();
   kept.step = simulation_->step();
   kept.inputs = recording_->inputs();
   kept.hand = hand_;
   if (device_hand_) kept.cursor = device_hand_->cursor();
-  StateTree spare = kept_.take_spare();
   kept.state = simulation_->save(&spare);
   return kept;
 }
 
 void LiveRun::keep(const std::string& name, bool is_before_action) {
-  if (own_) keep(state_now(), name, is_before_action);
+  if (own_) keep(state_now(kept_.take_spare()), name, is_before_action);
 }
 
 void LiveRun::keep(LiveState state, const std::string& name, bool is_before_action) {
@@ -280,7 +314,7 @@ void LiveRun::keep(LiveState state, const std::string& name, bool is_before_acti
 void LiveRun::aim() {
   if (!own_) return;
   if (aimed_) kept_.set_spare(std::move(aimed_->state));
-  aimed_ = state_now();
+  aimed_ = state_now(kept_.take_spare());
 }
 
 /// Keeps the state before an action, which may be refused; that of aim() if the action was aimed.
@@ -288,7 +322,7 @@ void LiveRun::as_action(const std::string& name, const std::function<void()>& ac
                         bool is_aimed) {
   next_picture_ = acted_ = Wall::now();  // who acts wants to see it
   if (!own_) return action();
-  keep(is_aimed && aimed_ ? *std::move(aimed_) : state_now(), name, true);
+  keep(is_aimed && aimed_ ? *std::move(aimed_) : state_now(kept_.take_spare()), name, true);
   try {
     action();
   } catch (const NumericalError&) {

@@ -25,6 +25,9 @@ constexpr int unwatched_rest = 20;
 constexpr double slice = 0.004, slice_with_device = 0.001;
 /// A run that cannot keep up does not try to catch up on more than this, s.
 constexpr double most_behind = 0.1;
+/// Between copies of the state, and in times of their own.
+constexpr auto copy_interval = std::chrono::seconds(2);
+constexpr int copy_rest = 100;
 constexpr auto idle = std::chrono::milliseconds(20), rest_after_action = 25 * idle;
 
 }  // namespace
@@ -104,6 +107,8 @@ void LiveRun::take(std::unique_ptr<Simulation> simulation, std::unique_ptr<Pictu
   own_ = std::move(simulation);
   simulation_ = own_.get();
   status_.is_playing = status_.has_ended = status_.has_failed = is_shown_ = false;
+  status_.remedy.clear();
+  recent_.reset();
   hand_.reset();
   aimed_.reset();
   tell_lists();
@@ -174,7 +179,14 @@ void LiveRun::resume(Checkpoint checkpoint, const std::filesystem::path& file, O
   tell_lists();  // values may have changed
 }
 
-bool LiveRun::continue_from(const Recording& recording, Observer& observer) {
+/// A recording that ends with a failure is repeated up to its last input.
+bool LiveRun::continue_from(const Recording& given, Observer& observer) {
+  Recording recording = given;
+  if (!recording.failure.empty()) {
+    recording.failure.clear();
+    recording.last_step =
+        recording.inputs.empty() ? recording.first_step : recording.inputs.back().step;
+  }
   const bool is_there = repeat(recording, *scene_, *simulation_, observer, diagnostics_);
   compare_end(recording, *simulation_, diagnostics_);
   for (const RecordedInput& input : recording.inputs) record(input);
@@ -230,8 +242,9 @@ void LiveRun::make_steps(std::uint64_t count, Observer& observer) {
     const auto outcome = simulation_->advance({{}, count}, observer);
     status_.has_ended = outcome && *outcome != RunSummary::Outcome::interrupted;
   } catch (const Error& error) {
-    return fail(error.what());
+    return fail(error);
   }
+  copy_if_due();
   if (simulation_->step() > first) {
     const auto made = static_cast<double>(simulation_->step() - first);
     seconds_per_step_ = Seconds(Wall::now() - start).count() / made;
@@ -243,11 +256,31 @@ void LiveRun::make_steps(std::uint64_t count, Observer& observer) {
   observer.on_message("the run has ended; go on by acting on the body, or reset it");
 }
 
-void LiveRun::fail(const std::string& why) {
+/// Says it once: pages in plain words, the terminal and the recording in all detail.
+void LiveRun::fail(const Error& error) {
+  if (status_.has_failed) return;
   status_.has_failed = true;
+  failure_code_ = error.exit_code();
   play(false);
   status_.has_ended = true;
-  tell("error", why + "\nThe run has failed; this is its last state.");
+  is_shown_ = false;
+  recording_->failed(simulation_->step(), error.what());
+  diagnostics_.note(std::string("the run has failed: ") + error.what());
+  const auto& piece = simulation_->failed_piece();
+  if (!piece || !own_)
+    return tell("error", std::string(error.what()) + "\nThe run has failed; this is its last state.");
+  status_.remedy = "remove " + piece->text() + " and go on";
+  tell("error", "The run has failed: " + piece->text() +
+                    " collapsed. Remove it, take the last action back, or reset the run.");
+}
+
+/// From time to time, so that what led to a failure can be repeated.
+void LiveRun::copy_if_due() {
+  if (!own_ || Wall::now() < next_recent_) return;
+  const Wall::time_point start = Wall::now();
+  recent_ = state_now(recent_ ? std::move(recent_->state) : StateTree());
+  const Wall::time_point end = Wall::now();
+  next_recent_ = end + std::max<Wall::duration>(copy_interval, copy_rest * (end - start));
 }
 
 void LiveRun::measure(std::uint64_t steps, double simulated) {
@@ -274,7 +307,7 @@ void LiveRun::show() {
     feel_hand();
     server_.show(pictures_->picture(status_));
   } catch (const NumericalError& error) {
-    return fail(error.what());
+    return fail(error);
   }
   is_shown_ = true;
   const double spent = Seconds(Wall::now() - start).count();

@@ -65,6 +65,8 @@ class LiveRun {
   void report(const std::string& message) { tell("message", message); }
 
   bool has_failed() const { return status_.has_failed; }
+  /// The exit code of the program (Error::exit_code()): 0 unless the run has failed.
+  int exit_code() const { return has_failed() ? failure_code_ : 0; }
   Simulation& simulation() { return *simulation_; }
   const RecordingWriter& recording() const { return *recording_; }
   /// From now on a device moves what it holds (DeviceHand) while the run plays. It must outlive
@@ -79,7 +81,9 @@ class LiveRun {
   void make_due_steps(Observer& observer);
   void make_steps(std::uint64_t count, Observer& observer);
   void require_own(const std::string& what) const;
-  void fail(const std::string& why);
+  void fail(const Error& error);
+  void copy_if_due();
+  void remove_failed_piece(Observer& observer);
   void show();
   bool has_just_acted() const;
   void catch_up();
@@ -107,7 +111,7 @@ class LiveRun {
   void make_divisible(Observer& observer);
   void reset(Observer& observer);
   void go_back(const Json& input, Observer& observer);
-  LiveState state_now();
+  LiveState state_now(StateTree spare);
   void keep(const std::string& name, bool is_before_action);
   void keep(LiveState state, const std::string& name, bool is_before_action);
   void aim();
@@ -142,6 +146,10 @@ class LiveRun {
   std::optional<DeviceHand> device_hand_;
   LiveStates kept_;
   std::optional<LiveState> aimed_;  ///< that of aim()
+  /// A state of the last seconds, from which the steps to a failure are made again.
+  std::optional<LiveState> recent_;
+  Wall::time_point next_recent_;
+  int failure_code_ = 0;
   std::size_t reported_warnings_ = 0;
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;

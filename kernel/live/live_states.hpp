@@ -41,6 +41,10 @@ class LiveStates {
     spare_ = std::move(states_.back().state);
     states_.pop_back();
   }
+  /// Drops those of later steps.
+  void drop_after(std::uint64_t step) {
+    while (!states_.empty() && states_.back().step > step) states_.pop_back();
+  }
   void clear() { states_.clear(); }
   /// The memory to save the next state in (save_state()); none is empty.
   StateTree take_spare() { return std::exchange(spare_, {}); }

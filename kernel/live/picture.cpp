@@ -205,6 +205,7 @@ std::string Pictures::state_message(const LiveStatus& status) {
             {"range", range_of(values)},
             {"poses", poses},
             {"blades", blades_json(simulation_)}};
+  if (!status.remedy.empty()) head["remedy"] = status.remedy;
   if (status.hand) head["hand"] = {{"place", status.hand->place}, {"force", status.hand->force}};
   if (!plotted_.empty()) head["plots"] = std::exchange(plotted_, {});
   if (!status.device.name.empty()) head["device"] = device_json(status.device);

@@ -16,7 +16,8 @@ namespace suture {
 /// What a page writes beside the body.
 struct LiveStatus {
   bool is_playing = false, has_ended = false, has_failed = false;
-  double speed = 1;  ///< wanted: simulated per real time; 0: as fast as possible
+  std::string remedy{};  ///< what the page offers after a failure; "": nothing
+  double speed = 1;      ///< wanted: simulated per real time; 0: as fast as possible
   double steps_per_second = 0, real_time = 0;  ///< reached
   struct Device {
     std::string name;                                       ///< "": there is none

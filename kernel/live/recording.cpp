@@ -73,6 +73,7 @@ void go_back(Recording& recording, std::uint64_t step, std::size_t inputs) {
     throw InputError("it goes back to a state that the lines above do not have");
   recording.inputs.resize(inputs);
   recording.last_step = step;
+  recording.failure.clear();
 }
 
 void read_line(const Lines& line, Recording& recording) {
@@ -80,10 +81,14 @@ void read_line(const Lines& line, Recording& recording) {
   if (line.contains("reset")) return go_back(recording, recording.first_step, 0);
   if (line.contains("back"))
     return go_back(recording, step, whole_number(line.at("inputs"), "its number of inputs"));
+  if (!recording.failure.empty())
+    throw InputError("the run has failed above, and it does not go back");
   if (step < recording.last_step) throw InputError("its step is before that of the line above");
   recording.last_step = step;
   if (line.contains("end"))
     recording.end = line.at("state");
+  else if (line.contains("failed"))
+    recording.failure = line.at("failed");
   else
     recording.inputs.push_back(input_of(line));
 }
@@ -151,7 +156,11 @@ bool repeat(const Recording& recording, const Scene& scene, Simulation& simulati
     if (!run_to(input.step)) return false;
     apply_input(input.value, scene, simulation, observer, diagnostics);
   }
-  return run_to(recording.last_step);
+  if (!run_to(recording.last_step)) return false;
+  if (!recording.failure.empty())
+    diagnostics.warn("the live run failed here, and this run does not; it said: " +
+                     recording.failure);
+  return true;
 }
 
 void compare_end(const Recording& recording, Simulation& simulation, Diagnostics& diagnostics) {
@@ -231,6 +240,10 @@ void RecordingWriter::reset() {
 void RecordingWriter::back(std::uint64_t step, std::size_t inputs) {
   if (has_inputs()) write(line_of({{"step", step}, {"back", true}, {"inputs", inputs}}));
   inputs_ = inputs;
+}
+
+void RecordingWriter::failed(std::uint64_t step, const std::string& why) {
+  if (has_inputs()) write(line_of({{"step", step}, {"failed", why}}));
 }
 
 Recording RecordingWriter::read() const {

@@ -32,7 +32,8 @@ struct Recording {
   std::string start;                  ///< state_hash() there
   std::vector<RecordedInput> inputs;  ///< those that count, by step
   std::uint64_t last_step = 0;
-  std::string end;  ///< state_hash() after the last step; "" if the program was killed
+  std::string end;  ///< state_hash() after the last step; "" if the program was killed, or
+  std::string failure;  ///< why the last step failed
 };
 
 /// Inputs as lines of a recording, and back. The latter throws InputError.
@@ -46,8 +47,8 @@ bool is_recording(const std::filesystem::path& file);
 Recording read_recording(const std::filesystem::path& file);
 
 /// Makes the steps of a recording and applies its inputs, from where it begins. Throws the errors
-/// of the run, and InputError where the body is not that of the recording. False if the run ended
-/// earlier or `observer` has stopped it.
+/// of the run, so that a recording that ends with a failure fails again, and InputError where the
+/// body is not that of the recording. False if the run ended earlier or `observer` has stopped it.
 bool repeat(const Recording& recording, const Scene& scene, Simulation& simulation,
             Observer& observer, Diagnostics& diagnostics);
 /// Warns if the state differs from that at the end of the recording.
@@ -81,6 +82,8 @@ class RecordingWriter {
   /// The run goes on from an earlier step, before which it had this number of inputs.
   void back(std::uint64_t step, std::size_t inputs);
   void end(Simulation& simulation);
+  /// The run has failed in its last step; back() or reset() may follow.
+  void failed(std::uint64_t step, const std::string& why);
   /// What was written so far. Throws InputError if the file cannot be read any more.
   Recording read() const;
   /// Nothing more is written.

@@ -7,6 +7,7 @@
 #include "kernel/base/error.hpp"
 #include "kernel/base/message_text.hpp"
 #include "kernel/base/rows.hpp"
+#include "kernel/base/sort_unique.hpp"
 #include "kernel/forces/contact_law.hpp"
 #include "kernel/geometry/moving_blade.hpp"
 #include "kernel/geometry/surface_blade.hpp"
@@ -140,9 +141,16 @@ EventOutcome EventRunner::Call::operator()(const Pierce& pierce) const {
 }
 
 EventOutcome EventRunner::Call::operator()(const RemoveIslands& islands) const {
-  return remove(
-      elements_of_islands(built.body().complex(), built.body().islands(), shape(), islands),
-      " removed no island: all are large enough and inside the region");
+  std::vector<Index> elements;
+  if (islands.below > 0 || islands.outside)
+    elements =
+        elements_of_islands(built.body().complex(), built.body().islands(), shape(), islands);
+  if (islands.volume > 0) {
+    const std::vector<Index> small = elements_of_small_islands(built, islands.volume);
+    elements.insert(elements.end(), small.begin(), small.end());
+    sort_unique(elements);
+  }
+  return remove(elements, " removed no island: all are large enough and inside the region");
 }
 
 EventOutcome EventRunner::Call::operator()(const Grasp& grasp) const {
@@ -213,11 +221,20 @@ EventOutcome EventRunner::Call::cut_along_sheet() const {
   std::vector<double> times = state.sheet->times_between(from, blade.at(from), to, blade.at(to));
   times.back() = time;
   for (const double at : times) {
-    const EventOutcome cut =
-        cut_to(blade.at(std::min(at, to)), at, at == time && time >= blade.end());
+    EventOutcome cut;
+    runner.has_changed_ = false;
+    try {
+      cut = cut_to(blade.at(std::min(at, to)), at, at == time && time >= blade.end());
+    } catch (const Error& error) {
+      if (!outcome.changed() || !runner.is_refusal(error)) throw;
+      outcome.refusal = std::current_exception();
+      runner.has_changed_ = true;
+      return outcome;
+    }
     outcome += cut;
     outcome.faces.insert(outcome.faces.end(), cut.faces.begin(), cut.faces.end());
   }
+  runner.has_changed_ = outcome.changed();
   return outcome;
 }
 

@@ -2,17 +2,23 @@
 #include "kernel/operations/event_runner.hpp"
 
 #include "kernel/base/error.hpp"
+#include "kernel/base/message_text.hpp"
 #include "kernel/geometry/moving_blade.hpp"
 #include "kernel/geometry/surface_blade.hpp"
 #include "kernel/geometry/surface_file.hpp"
 #include "kernel/operations/event_call.hpp"
 #include "kernel/operations/plane_patch.hpp"
+#include "kernel/operations/refused_operation.hpp"
 #include "kernel/operations/swept_sheet.hpp"
 
 namespace suture {
 
 EventRunner::EventRunner(const Scene& scene, BuiltScene& built, Diagnostics& diagnostics)
-    : scene_(scene), built_(built), diagnostics_(diagnostics), removals_(scene, built) {
+    : scene_(scene),
+      built_(built),
+      diagnostics_(diagnostics),
+      removals_(scene, built),
+      debris_(scene, built) {
   std::size_t edges = 0;
   for (const Event& event : scene.events) {
     states_.push_back(prepare(event));
@@ -91,6 +97,8 @@ void EventRunner::check_pairs(const Event& event, const SewFaces& sew) const {
 // Tissue that was sewn has jumped, and not past a blade.
 void EventRunner::follow(const CellComplex& complex, const TopologyChange& change) {
   const bool sewn = change.faces_sewn != 0;
+  has_changed_ = true;
+  is_changing_ = false;
   for (State& state : states_) {
     if (state.tear && (sewn || !change.removed[3].empty())) state.tear->invalidate(change.copies);
     if (state.sheet) state.sheet->follow(change);
@@ -101,10 +109,40 @@ void EventRunner::follow(const CellComplex& complex, const TopologyChange& chang
   }
 }
 
+EventOutcome EventRunner::call(const Event& event, std::uint32_t number, double time,
+                               State& state) {
+  has_changed_ = is_changing_ = false;
+  if (debris_.is_removed()) built_.body().islands();  // follow the operation
+  EventOutcome outcome = std::visit(Call{*this, event, number, time, state}, event.what);
+  if (has_changed_) remove_debris(event, time, outcome);
+  return outcome;
+}
+
+/// Never the whole body.
+void EventRunner::remove_debris(const Event& event, double time, EventOutcome& outcome) {
+  const std::vector<Index> elements = debris_.find();
+  if (elements.empty() || elements.size() >= built_.body().complex().existing(3)) return;
+  outcome.debris = debris_.matter(elements);
+  removals_.before(elements);
+  built_.body().pierce(elements);
+  removed_debris_ += outcome.debris;
+  outcome.elements_removed += static_cast<Index>(elements.size());
+  outcome.removed.insert(outcome.removed.end(), elements.begin(), elements.end());
+  for (const std::string& loss : removals_.after())
+    diagnostics_.warn(timed(time, event.path + ": its debris " + loss));
+}
+
+/// Forces that cannot be computed are the fault of the state. The map refuses before it changes.
+bool EventRunner::is_refusal(const Error& error) const {
+  if (has_changed_) return false;
+  if (is_changing_) return dynamic_cast<const TopologyError*>(&error) != nullptr;
+  return dynamic_cast<const InputError*>(&error) != nullptr ||
+         dynamic_cast<const RefusedOperation*>(&error) != nullptr;
+}
+
 EventOutcome EventRunner::fire(std::size_t i, double time) {
   const Event& event = scene_.events[i];
-  const EventOutcome outcome =
-      std::visit(Call{*this, event, static_cast<std::uint32_t>(i), time, states_[i]}, event.what);
+  const EventOutcome outcome = call(event, static_cast<std::uint32_t>(i), time, states_[i]);
   states_[i].had_effect |= outcome.changed();
   states_[i].has_fired = true;
   states_[i].last = time;
@@ -117,7 +155,7 @@ EventOutcome EventRunner::apply(const Event& event, double time) {
         event.path +
         "/cut: a moving blade cannot be applied at one instant; add it to the scene as an event");
   State state = prepare(event, true);
-  const EventOutcome outcome = std::visit(Call{*this, event, none, time, state}, event.what);
+  const EventOutcome outcome = call(event, none, time, state);
   ++applied_;
   return outcome;
 }
@@ -156,6 +194,7 @@ void EventRunner::state(Archive& archive) {
   archive("removals", removals_);
   archive.each("opened", opened_);
   archive("applied", applied_);
+  if (debris_.is_removed()) archive("debris", removed_debris_);
 }
 
 }  // namespace suture

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "kernel/build/built_scene.hpp"
+#include "kernel/operations/debris.hpp"
 #include "kernel/operations/removal_watch.hpp"
 #include "kernel/operations/tear.hpp"
 
@@ -39,7 +41,10 @@ struct EventOutcome {
   Index elements_cut = 0;                     ///< along the blade
   Index elements_sewn = 0;                    ///< that such cuts had divided
   std::vector<std::array<Index, 2>> faces{};  ///< the elements on both sides of each face
-  std::vector<Index> removed{};               ///< elements
+  std::vector<Index> removed{};               ///< elements, those of debris, too
+  RemovedMatter debris{};
+  /// Why a moving blade has gone no further, after all that is listed here; null: it has.
+  std::exception_ptr refusal{};
   bool changed() const {
     return faces_cut + faces_torn + faces_sewn + elements_removed + elements_cut + elements_sewn +
                nodes_held + nodes_released >
@@ -68,6 +73,14 @@ class EventRunner : private Follower {
   /// The same for an event from C++ that is not part of the scene. Its coordinates are those of the
   /// body's frame.
   EventOutcome apply(const Event& event, double time);
+  /// Whether a call of fire() or apply() that has thrown `error` was refused: nothing has changed,
+  /// and the state is sound. Otherwise, the body or its state is at fault.
+  bool is_refusal(const Error& error) const;
+  /// Whether the last such call has changed the body.
+  bool has_changed() const { return has_changed_; }
+  /// All debris that was removed, and which islands are.
+  const RemovedMatter& removed_debris() const { return removed_debris_; }
+  const Debris& debris() const { return debris_; }
   /// Call after a rollback to `time`; no operation has changed the body since then.
   void roll_back(double time);
   /// Warns of events that had no effect in the whole run.
@@ -103,6 +116,9 @@ class EventRunner : private Follower {
   std::vector<Vec3> points_of(const CutBlade::Carried& carried, double time) const;
   void check(const Event& event);
   void check_pairs(const Event& event, const SewFaces& sew) const;
+  EventOutcome call(const Event& event, std::uint32_t number, double time, State& state);
+  void remove_debris(const Event& event, double time, EventOutcome& outcome);
+  void before(const ComingOperation&) override { is_changing_ = true; }
   /// Updates the stored positions of the tissue.
   void follow(const CellComplex& complex, const TopologyChange& change) override;
 
@@ -110,7 +126,10 @@ class EventRunner : private Follower {
   BuiltScene& built_;
   Diagnostics& diagnostics_;
   RemovalWatch removals_;
-  std::vector<State> states_;  ///< by event
+  Debris debris_;
+  RemovedMatter removed_debris_;
+  bool has_changed_ = false, is_changing_ = false;  ///< in the last call
+  std::vector<State> states_;                       ///< by event
   std::vector<OpenedFace> opened_;
   std::uint32_t applied_ = 0;  ///< events that are not part of the scene
 };

@@ -22,6 +22,9 @@ class EventSchedule {
   /// O(events that are not timed); a condition costs a pass over its nodes.
   std::vector<std::size_t> due(const Clock& clock);
 
+  /// An event is not due any more.
+  void end(std::size_t event) { states_[event].done = true; }
+
   /// The events that have been due so far.
   void state(Archive& archive);
 

@@ -21,6 +21,7 @@ EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
   elements_sewn += other.elements_sewn;
   nodes_held += other.nodes_held;
   nodes_released += other.nodes_released;
+  debris += other.debris;
   return *this;
 }
 
@@ -35,6 +36,9 @@ std::string EventOutcome::text() const {
   add("tore ", faces_torn, "face");
   add("sewed ", faces_sewn, "face");
   add("removed ", elements_removed, "element");
+  if (debris.pieces > 0)
+    text +=
+        " (debris: " + count_text(debris.pieces, "piece") + ", " + volume_text(debris.volume) + ")";
   add("grasped ", nodes_held, "node");
   add("released ", nodes_released, "node");
   return text;

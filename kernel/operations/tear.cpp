@@ -8,9 +8,9 @@
 
 #include "kernel/attributes/cell_nodes.hpp"
 #include "kernel/base/archive.hpp"
-#include "kernel/base/error.hpp"
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/forces/loops/dispatch.hpp"
+#include "kernel/operations/refused_operation.hpp"
 #include "kernel/plugin_host/output_fields.hpp"
 
 namespace suture {
@@ -341,7 +341,7 @@ void TearCheck::check_share(const CellComplex& complex, std::size_t torn) const 
        << " faces at once, more than 'most' allows (" << 100 * tear_.max_fraction
        << " %); nothing was torn. Raise 'above', ramp the load, restrict it with 'where', or raise "
           "'most'";
-  throw NumericalError(text.str());
+  throw RefusedOperation(text.str());
 }
 
 std::vector<Dart> TearCheck::faces(Body& body, double time) {

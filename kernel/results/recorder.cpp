@@ -82,7 +82,10 @@ std::vector<std::string> tool_columns(const ContactOptions& contact,
 
 Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& events,
                    Provenance provenance, std::shared_ptr<OutputFolder> folder)
-    : built_(built), provenance_(std::move(provenance)), folder_(std::move(folder)) {
+    : built_(built),
+      events_(events),
+      provenance_(std::move(provenance)),
+      folder_(std::move(folder)) {
   const OutputOptions& options = scene.output;
   writes_ = options.enabled;
   in_pieces_ = options.pieces;
@@ -113,6 +116,10 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
           columns.push_back(field.field().name + part);
       if (field.has_dissipation()) columns.push_back(field.field().name + " supplied [J]");
     }
+    if (events.debris().is_removed())
+      columns.insert(columns.end(),
+                     {"body mass [kg]", "debris volume [m^3]", "debris mass [kg]", "debris momentum x [N s]",
+                      "debris momentum y [N s]", "debris momentum z [N s]", "debris energy [J]"});
     energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);
   }
   if (options.probes_every > 0 && !options.probes.empty()) {
@@ -348,6 +355,14 @@ void Recorder::energies(std::uint64_t step, double time, double dt, const Energy
     const FieldEnergy own = field.energy(time);
     values.insert(values.end(), {own.stored, own.dissipated});
     if (field.has_dissipation()) values.push_back(own.supplied);
+  }
+  if (events_.debris().is_removed()) {
+    const RemovedMatter& debris = events_.removed_debris();
+    const Vec3& p = debris.momentum;
+    const Column& mass = built_.body().attributes().mass();
+    double body = 0;
+    for (Index v = 0; v < mass.size(); ++v) body += mass.get(v, 0);
+    values.insert(values.end(), {body, debris.volume, debris.mass, p[0], p[1], p[2], debris.energy});
   }
   require_finite(values, "energies.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::energies, nullptr, std::move(values)});

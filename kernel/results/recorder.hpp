@@ -111,6 +111,7 @@ class Recorder {
   std::unique_ptr<FrameSink> open_sink(const char* prefix, const char* collection) const;
 
   BuiltScene& built_;
+  const EventRunner& events_;
   Provenance provenance_;
   bool has_told_provenance_ = false;
   std::shared_ptr<OutputFolder> folder_;

@@ -62,6 +62,7 @@ RunLoop::RunLoop(const Scene& scene, PluginHost& host, Diagnostics& diagnostics,
       sleeper_(scene.solver, built_),
       ending_(built_, schedule_, control_, recorder_, diagnostics),
       checkpoints_(built_, host, recorder_.folder()),
+      was_skipped_(scene_.events.size()),
       processes_(processes) {
   Decision fixed_cells = decide_fixed_cells(scene_, built_, recorder_);
   decisions_ = decide(scene_, host, built_, recorder_);
@@ -114,10 +115,13 @@ void RunLoop::require_held_bodies() {
 
 // ------------------------------------------------------------------- events --
 
-/// At an equilibrium that an event has led to, more events may be due.
-void RunLoop::fire_events(Observer& observer, const StepControl::Notify& notify) {
-  do fire_due_events(observer);
-  while (balance(notify));
+/// At an equilibrium that an event has led to, more events may be due. False if the run went back to
+/// an earlier step instead.
+bool RunLoop::fire_events(Observer& observer, const StepControl::Notify& notify) {
+  do {
+    if (!fire_due_events(observer, notify)) return false;
+  } while (balance(notify));
+  return true;
 }
 
 /// In a static run, what is recorded after the start is an equilibrium, and so is the end. True if
@@ -135,18 +139,55 @@ void RunLoop::find_equilibrium(const StepControl::Notify& notify) {
   is_unbalanced_ = false;
 }
 
-void RunLoop::fire_due_events(Observer& observer) {
+/// False if the run went back to an earlier step, whose events are due again.
+bool RunLoop::fire_due_events(Observer& observer, const StepControl::Notify& notify) {
   for (const std::size_t i : schedule_.due(clock_)) {
+    bool went_no_further = false;
     try {
       const EventOutcome outcome = events_.fire(i, clock_.time());
       take_over(outcome);
-      if (!outcome.changed()) continue;
-      const Index islands = built_.body().islands().existing();
-      report_events(event_report_.add(i, outcome, clock_.time(), islands), observer);
-    } catch (const NumericalError& error) {
-      throw NumericalError(timed(clock_.time(), error.what()));
+      report(i, outcome, observer);
+      went_no_further = outcome.refusal != nullptr;
+      if (went_no_further) std::rethrow_exception(outcome.refusal);
+    } catch (const Error& error) {
+      const bool is_refusal = went_no_further || events_.is_refusal(error);
+      if (is_refusal && !stops_at_failure(scene_.events[i])) {
+        skip(i, error);
+        continue;
+      }
+      const auto* numerical = dynamic_cast<const NumericalError*>(&error);
+      if (!numerical) throw;
+      if (is_refusal) throw NumericalError(timed(clock_.time(), error.what()));
+      if (events_.has_changed()) control_.commit();
+      control_.take_back(*numerical, notify);
+      return false;
     }
   }
+  return true;
+}
+
+void RunLoop::report(std::size_t event, const EventOutcome& outcome, Observer& observer) {
+  if (!outcome.changed()) return;
+  const Index islands = built_.body().islands().existing();
+  report_events(event_report_.add(event, outcome, clock_.time(), islands), observer);
+}
+
+bool RunLoop::stops_at_failure(const Event& event) const {
+  const OnFailure by_solver = scene_.solver.on_failure;
+  return (event.on_failure == OnFailure::by_solver ? by_solver : event.on_failure) ==
+         OnFailure::stop;
+}
+
+/// Each event is reported once. A blade that was refused cuts no more.
+void RunLoop::skip(std::size_t event, const Error& error) {
+  const Event& skipped = scene_.events[event];
+  ++summary_.events_skipped;
+  const bool is_blade = std::holds_alternative<CutBlade>(skipped.what);
+  if (is_blade) schedule_.end(event);
+  if (std::exchange(was_skipped_[event], 1) != 0) return;
+  diagnostics_.warn(timed(clock_.time(), error.what()) +
+                    (is_blade ? "; the blade cuts no further"
+                              : "; the event is skipped"));
 }
 
 /// The cells are others: so are the islands and the stable step.
@@ -296,7 +337,7 @@ std::optional<RunSummary::Outcome> RunLoop::loop(const Pause& pause, Observer& o
   std::optional<RunSummary::Outcome> outcome = RunSummary::Outcome::interrupted;
   while (!stops(observer)) {
     try {
-      fire_events(observer, notify);
+      if (!fire_events(observer, notify)) continue;
       if (!record(notify)) continue;
       outcome = ending_.check(notify);
       records_.roll_back();
@@ -462,6 +503,8 @@ void RunLoop::summarise() {
     summary_.shortest_dt = accuracy->shortest();
     summary_.longest_dt = accuracy->longest();
   }
+  summary_.debris = events_.removed_debris();
+  summary_.volume_at_start = events_.debris().volume_at_start();
   summary_.frames = recorder_.frames_written();
   summary_.inverted_elements = control_.guard().inverted_elements();
   summary_.threads = built_.body().models().threads();
@@ -484,6 +527,8 @@ void RunLoop::state(Archive& archive) {
   archive("records", records_);
   archive("recorder", recorder_);
   archive("unbalanced", is_unbalanced_);
+  archive("skipped", was_skipped_);
+  archive("events skipped", summary_.events_skipped);
   archive("faces cut", summary_.faces_cut);
   archive("faces torn", summary_.faces_torn);
   archive("faces sewn", summary_.faces_sewn);

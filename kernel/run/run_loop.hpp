@@ -56,6 +56,7 @@ class RunLoop {
   Recorder& recorder() { return recorder_; }
   Records& records() { return records_; }
   StepControl& control() { return control_; }
+  const StepControl& control() const { return control_; }
   Ending& ending() { return ending_; }
   const std::vector<Decision>& decisions() const { return decisions_; }
 
@@ -70,8 +71,11 @@ class RunLoop {
   void require_held_bodies();
   std::optional<RunSummary::Outcome> loop(const Pause& pause, Observer& observer);
   void close_failed(Observer& observer);
-  void fire_events(Observer& observer, const StepControl::Notify& notify);
-  void fire_due_events(Observer& observer);
+  bool fire_events(Observer& observer, const StepControl::Notify& notify);
+  bool fire_due_events(Observer& observer, const StepControl::Notify& notify);
+  void report(std::size_t event, const EventOutcome& outcome, Observer& observer);
+  void skip(std::size_t event, const Error& error);
+  bool stops_at_failure(const Event& event) const;
   bool balance(const StepControl::Notify& notify);
   void find_equilibrium(const StepControl::Notify& notify);
   void take_over(const EventOutcome& outcome);
@@ -102,6 +106,7 @@ class RunLoop {
   std::vector<Decision> decisions_;
   RunSummary summary_;
   bool is_ready_ = false;         ///< make_ready()
+  std::vector<std::uint8_t> was_skipped_;  ///< by event: it has been reported
   bool is_unbalanced_ = false;    ///< something has changed since the last step
   std::uint64_t first_step_ = 0;  ///< not 0 if the run was resumed
   Wall::time_point began_{};      ///< the call of advance()

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "kernel/operations/removed_matter.hpp"
+
 namespace suture {
 
 /// One decision made when the scene was compiled into a run.
@@ -48,7 +50,10 @@ struct RunSummary {
   std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
   std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
   std::uint64_t elements_cut = 0;  ///< along the blade
-  std::uint64_t rollbacks = 0;     ///< number of rollbacks
+  std::uint64_t events_skipped = 0;  ///< could not be carried out
+  RemovedMatter debris;
+  double volume_at_start = 0;   ///< m^3; Debris::volume_at_start()
+  std::uint64_t rollbacks = 0;  ///< number of rollbacks
   /// J: the unexplained remainder without its recoverable part, and its scale; 0: rounding.
   double balance = 0, exchanged = 0;
   double time = 0, dt = 0;  ///< s; dt of the last step

@@ -120,6 +120,10 @@ const ContactLaw* Simulation::contact() const { return run_->built().body().cont
 
 std::vector<BladeShape> Simulation::blades() const { return run_->events().blades(time()); }
 
+const std::optional<FailedPiece>& Simulation::failed_piece() const {
+  return run_->control().failed_piece();
+}
+
 Attributes& Simulation::attributes() { return run_->built().body().attributes(); }
 
 Vec3 Simulation::origin() const { return run_->built().frame().origin; }

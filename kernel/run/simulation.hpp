@@ -17,6 +17,7 @@
 #include "kernel/plugin_host/plugin_host.hpp"
 #include "kernel/run/run_report.hpp"
 #include "kernel/scene/scene.hpp"
+#include "kernel/steps/failed_piece.hpp"
 
 namespace suture {
 
@@ -133,6 +134,9 @@ class Simulation {
   Vec3 origin() const;
   /// The mean displacement of the selected vertices, m.
   Vec3 mean_displacement(const Selection& selection) const;
+
+  /// Where the run has failed, if it did so at a small piece.
+  const std::optional<FailedPiece>& failed_piece() const;
 
   /// Times the functions of functors from now on; costs() says what they took.
   void measure();

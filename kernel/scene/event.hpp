@@ -95,10 +95,11 @@ struct SewFaces {
   std::optional<Selection> where;  ///< rejoins what was cut there; none: everywhere
 };
 
-/// Removes whole islands that have too few elements or have left a box. If both are given, either
-/// condition suffices.
+/// Removes whole islands that have too few elements, too little volume or have left a box. One of
+/// the conditions that are given suffices.
 struct RemoveIslands {
-  std::uint64_t below = 0;                  ///< elements; 0: no size limit
+  std::uint64_t below = 0;                  ///< elements; 0: no limit
+  double volume = 0;                        ///< m^3, at rest; 0: no limit
   std::optional<Selection::InBox> outside;  ///< in the deformed shape
 };
 
@@ -133,6 +134,9 @@ struct Condition {
   std::uint64_t every = 1;  ///< steps between checks
 };
 
+/// What happens when an event cannot be carried out: nothing has changed then.
+enum class OnFailure { by_solver, skip, stop };
+
 /// One event: at a given time, every n steps, or as soon as a condition holds; for a moving blade,
 /// at every step from its first station to its last.
 struct Event {
@@ -143,6 +147,7 @@ struct Event {
   std::optional<Condition> when{};
   EventOperation what;
   bool rest_shape = false;  ///< "shape": "rest"
+  OnFailure on_failure = OnFailure::by_solver;  ///< takes precedence over the solver's
   std::string path;         ///< "/events/0"
 
   /// The key in the scene: "cut", "pierce", "grasp", ...

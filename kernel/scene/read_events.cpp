@@ -116,6 +116,7 @@ void read_event(ObjectReader& object, Reading& reading) {
   event.path = object.path();
   read_what(object, event, reading);
   read_schedule(object, event, reading.scene);
+  event.on_failure = read_on_failure(object);
   reading.scene.events.push_back(std::move(event));
 }
 
@@ -127,6 +128,23 @@ Event read_event_now(ObjectReader& object, Reading& reading) {
   read_what(object, event, reading);
   object.finish();
   return event;
+}
+
+void read_debris(ObjectReader& top, Reading& reading) {
+  DebrisOptions& debris = reading.scene.debris;
+  debris.removes = reading.scene.divides_elements();
+  const JsonValue* value = top.find("debris");
+  if (value == nullptr) return;
+  ObjectReader object(*value, "/debris", reading.mistakes);
+  static const std::array<std::string, 2> fates{"remove", "keep"};
+  debris.removes = object.choice("do", fates).value_or(0) == 0;
+  if (object.find("below") != nullptr && object.find("volume") != nullptr)
+    object.complain("volume",
+                    "cannot be combined with 'below', which is a part of a typical element; "
+                    "remove one of them");
+  debris.fraction = object.number("below", Limits::positive("1")).value_or(debris.fraction);
+  debris.volume = object.number("volume", Limits::positive("m^3"));
+  object.finish();
 }
 
 void read_events(ObjectReader& top, Reading& reading) {

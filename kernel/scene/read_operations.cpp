@@ -130,14 +130,16 @@ SewFaces read_suture(ObjectReader suture) {
 RemoveIslands read_remove_islands(ObjectReader remove) {
   RemoveIslands result;
   result.below = remove.natural("below", 1).value_or(0);
+  result.volume = remove.number("volume", Limits::positive("m^3")).value_or(0);
   if (const JsonValue* outside = remove.find("outside")) {
     ObjectReader region(*outside, remove.path_of("outside"), remove.mistakes());
     if (const JsonValue* box = region.require("box", "the region of interest {\"min\", \"max\"}"))
       result.outside = read_box({*box, region.path_of("box"), remove.mistakes()});
     region.finish();
   }
-  if (remove.is_object() && remove.find("below") == nullptr && remove.find("outside") == nullptr)
-    remove.complain("must have 'below' (elements), 'outside' (a region) or both");
+  if (remove.is_object() && remove.find("below") == nullptr && remove.find("outside") == nullptr &&
+      remove.find("volume") == nullptr)
+    remove.complain("must have 'below' (elements), 'volume' (m^3) or 'outside' (a region)");
   remove.finish();
   return result;
 }

@@ -199,6 +199,13 @@ OnInversion read_on_inversion(ObjectReader& object) {
   return *choice == 0 ? OnInversion::stop : OnInversion::warn;
 }
 
+OnFailure read_on_failure(ObjectReader& object) {
+  static const std::array<std::string, 2> words{"skip", "stop"};
+  const auto choice = object.choice("on_failure", words);
+  if (!choice) return OnFailure::by_solver;
+  return *choice == 0 ? OnFailure::skip : OnFailure::stop;
+}
+
 void read_solver(const JsonValue& value, Reading& reading) {
   SolverOptions& solver = reading.scene.solver;
   ObjectReader object(value, "/solver", reading.mistakes);
@@ -224,6 +231,7 @@ void read_solver(const JsonValue& value, Reading& reading) {
   solver.max_steps = object.natural("max_steps", 1).value_or(solver.max_steps);
   solver.threads = static_cast<unsigned>(object.natural("threads", 0, 1024).value_or(0));
   solver.on_inversion = read_on_inversion(object);
+  if (read_on_failure(object) == OnFailure::stop) solver.on_failure = OnFailure::stop;
   object.finish();
 }
 

@@ -121,6 +121,14 @@ struct SolverOptions {
   double sleep_acceleration = 0;     ///< m/s^2; 0: no island sleeps
   double sleep_velocity = 0;         ///< m/s
   OnInversion on_inversion = OnInversion::by_model;
+  OnFailure on_failure = OnFailure::skip;  ///< of an event
+};
+
+/// Which islands are too small to be computed, and what becomes of them.
+struct DebrisOptions {
+  bool removes = false;
+  double fraction = 0.1;           ///< below: of the volume of a typical element; or
+  std::optional<double> volume{};  ///< below, m^3
 };
 
 /// One or more columns of probes.csv: fields over some nodes (or elements).
@@ -194,6 +202,7 @@ struct Scene {
   std::vector<Event> events;       ///< by time (Event::start)
   bool cuts_follow_blade = false;  ///< unless they say "along": version 2 of the format
   bool is_divisible = false;       ///< models are prepared for cuts along blades that are added
+  DebrisOptions debris;
   SolverOptions solver;
   OutputOptions output;
   CheckpointOptions checkpoint;

@@ -70,6 +70,8 @@ bool is_good_name(std::string_view name);
 
 /// "on_inversion": "stop" or "warn"; by_model if absent.
 OnInversion read_on_inversion(ObjectReader& object);
+/// "on_failure": "skip" or "stop"; by_solver if absent.
+OnFailure read_on_failure(ObjectReader& object);
 
 void read_mesh(const JsonValue& value, Reading& reading);
 void read_models(ObjectReader& top, Reading& reading);
@@ -106,6 +108,8 @@ void check_grasps(ObjectReader& top, const Scene& scene);
 /// After read_solver and read_models: events must lie within the run, and may refer to fields that
 /// a model declares.
 void read_events(ObjectReader& top, Reading& reading);
+/// After read_events: cuts along blades make islands of any size.
+void read_debris(ObjectReader& top, Reading& reading);
 /// An event without a time.
 Event read_event_now(ObjectReader& object, Reading& reading);
 /// After read_models: models add their own fields.

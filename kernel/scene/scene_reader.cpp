@@ -65,6 +65,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   read_contact(top, reading);
   reading.scene.is_divisible = top.boolean("divisible").value_or(false);
   read_events(top, reading);
+  read_debris(top, reading);
   read_output(top.find("output"), reading);
   read_checkpoint(top.find("checkpoint"), reading);
   top.finish();

@@ -318,6 +318,12 @@ bool StepControl::try_check(const std::function<void()>& check, const Notify& no
   }
 }
 
+/// Without an earlier state, the same one would follow.
+void StepControl::take_back(const NumericalError& error, const Notify& notify) {
+  if (kept_.empty()) give_up(error);
+  roll_back(error, notify);
+}
+
 bool StepControl::check_last_state(const Notify& notify) {
   return try_check([&] { check_state(notify); }, notify);
 }
@@ -368,20 +374,25 @@ void StepControl::restore(const KeptStates::State& kept) {
   recorder_.roll_back(clock_.step());
 }
 
-/// The element with this number of the user; a copy of it, if a blade has divided it; or none.
-Index StepControl::element_now(std::uint64_t number) const {
+/// The element with this number of the user, or its copies, if a blade has divided it.
+std::vector<Index> StepControl::elements_now(std::uint64_t number) const {
   const Selector& selector = built_.selector();
-  if (number == NumericalError::nowhere || selector.element_with_id(number) == none) return none;
-  const std::vector<Index> found = selector.elements_now(
-      {Selection::Ids{{number}}, ""}, built_.body().attributes().position().rows());
-  return found.empty() ? none : found.front();
+  if (number == NumericalError::nowhere || selector.element_with_id(number) == none) return {};
+  return selector.elements_now({Selection::Ids{{number}}, ""},
+                               built_.body().attributes().position().rows());
 }
 
 void StepControl::give_up(const NumericalError& error) {
   std::ostringstream text;
   text << "step " << clock_.step() << ", " << timed(clock_.time(), error.what());
-  if (const Index element = element_now(error.element); element != none)
-    text << "; the element is at " << built_.place_of(element);
+  const std::vector<Index> elements = elements_now(error.element);
+  if (!elements.empty()) text << "; the element is at " << built_.place_of(elements.front());
+  failed_piece_ = find_failed_piece(
+      built_, events_.debris(),
+      guard_.fatal_element() != none ? std::vector{guard_.fatal_element()} : elements);
+  if (failed_piece_)
+    failed_piece_->good_step =
+        kept_.empty() ? std::max<std::uint64_t>(clock_.step(), 1) - 1 : kept_.older().step;
   Evidence evidence(built_, clock_.time());
   if (kept_.empty()) {
     recorder_.roll_back(clock_.step() - 1);
@@ -394,7 +405,7 @@ void StepControl::give_up(const NumericalError& error) {
     evidence.add_last_good(built_, good.time);
     if (scene_.solver.dt) watch_.search_for_report();
   }
-  text << ". " << advice(error);
+  text << ". " << (failed_piece_ ? failed_piece_->advice() : advice(error));
   if (dynamic_cast<const NotFinite*>(&error) != nullptr)
     text << ". If a plugin may be at fault, `suture run --check-plugins` names the one whose "
             "results are not finite or never set";

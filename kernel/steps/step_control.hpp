@@ -8,6 +8,7 @@
 #include "kernel/operations/event_runner.hpp"
 #include "kernel/operations/event_schedule.hpp"
 #include "kernel/results/recorder.hpp"
+#include "kernel/steps/failed_piece.hpp"
 #include "kernel/steps/guard.hpp"
 #include "kernel/steps/kept_states.hpp"
 #include "kernel/steps/step_accuracy.hpp"
@@ -69,11 +70,17 @@ class StepControl {
   /// Calls `check` on the current state, which may evaluate forces there and fail like a step;
   /// returns false if the run rolled back instead.
   bool try_check(const std::function<void()>& check, const Notify& notify);
+  /// The state between two steps is at fault, as `error` says: goes back to an earlier one, or
+  /// throws what is final.
+  void take_back(const NumericalError& error, const Notify& notify);
   /// Checks the last state; returns false if the run rolled back instead.
   bool check_last_state(const Notify& notify);
 
   /// A warning if the balance of the whole run did not close; otherwise "".
   std::string balance_warning() const;
+
+  /// Where the run has failed, if it did so at a small piece.
+  const std::optional<FailedPiece>& failed_piece() const { return failed_piece_; }
 
   /// Call after an operation has changed the cells. O(affected cells).
   void after_event();
@@ -99,7 +106,7 @@ class StepControl {
   bool should_retry_smaller();
   void roll_back(const NumericalError& error, const Notify& notify);
   void restore(const KeptStates::State& kept);
-  Index element_now(std::uint64_t number) const;
+  std::vector<Index> elements_now(std::uint64_t number) const;
   [[noreturn]] void give_up(const NumericalError& error);
   std::string advice(const NumericalError& error) const;
   const char* step_setting() const;
@@ -126,6 +133,7 @@ class StepControl {
   unsigned growth_attempts_ = 0;     ///< to pass it
   bool growth_was_reported_ = false;
   std::uint64_t rollbacks_ = 0;
+  std::optional<FailedPiece> failed_piece_;
 };
 
 }  // namespace suture

@@ -44,6 +44,10 @@ class Islands {
   Index existing() const { return existing_; }
   /// The number of elements of an island. O(1).
   Index size(Index island) const { return size_[island]; }
+  /// An element of an island, `none` of a former one. O(1).
+  Index representative(Index island) const {
+    return size_[island] == 0 ? none : representative_[island];
+  }
   /// The island of an element, `none` if it was removed. O(1).
   Index of(Index element) const { return island_[element]; }
   /// of() for all elements.

@@ -234,22 +234,53 @@ TEST_F(BadScenes, OperationsThatCannotBeMeant) {
   }
 }
 
-// What shows only on the way stops the run; the frames before it stay whole.
+// What shows only on the way is skipped, and the run goes on.
+TEST_F(BadScenes, OperationsThatFailOnTheWayAreSkipped) {
+  const BadValue values[] = {
+      {R"({"at": 0.005, "pierce": {"where": "all"}})", 0,
+       "t = 0.005 s: /events/0: pierce would remove all 8 remaining elements; nothing was removed. "
+       "Make the selection smaller; the event is skipped"},
+      {R"({"at": 0.005, "grasp": {"name": "grip", "where": {"sphere":
+          {"centre": [9, 9, 9], "radius": 1}}}})",
+       0, "/events/0/grasp/where: selects no node of the deformed body"},
+      {R"({"at": 0.005, "grasp": {"name": "grip", "where": {"sphere":
+          {"centre": [9, 9, 9], "radius": 1}}}}, {"at": 0.007, "release": "grip"})",
+       0, "/events/1/release: nothing named 'grip' holds a node at that time"},
+      {R"({"every": 1, "tear": {"by": "principal-strain", "above": 1e-9, "most": 0.1}})", 0,
+       "/events/0/tear: would tear"}};
+  const std::string moving = R"(, "gravity": [0, -9.8, 0],
+    "constraints": [{"fix": "xyz", "where": {"set": "x0"}}], "events": [)";
+  for (const BadValue& value : values) {
+    const Outcome outcome = scene("run", moving + value.set + "]");
+    EXPECT_EQ(outcome.code, 0) << value.set << "\n" << outcome;
+    EXPECT_TRUE(outcome.says(value.words)) << value.set << "\n" << outcome;
+    EXPECT_TRUE(outcome.says("event skipped") || outcome.says("events skipped")) << outcome;
+  }
+  const Outcome stopped =
+      scene("run", moving + values[1].set + "]", {"/solver/on_failure=\"stop\""});
+  EXPECT_EQ(stopped.code, 3) << stopped;
+  const Outcome wrong = scene("check", "", {"/solver/on_failure=\"halt\""});
+  EXPECT_TRUE(wrong.says("/solver/on_failure: must be one of 'skip', 'stop'")) << wrong;
+}
+
+// Or it stops the run, if the scene says so; the frames before it stay whole.
 TEST_F(BadScenes, OperationsThatFailOnTheWayLoseNothing) {
   const std::string moving = R"(, "gravity": [0, -9.8, 0],
     "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
     "output": {"directory": "o", "every_steps": 1}, "events": [)";
   const BadValue values[] = {
-      {R"({"at": 0.005, "pierce": {"where": "all"}})", 3,
+      {R"({"at": 0.005, "pierce": {"where": "all"}, "on_failure": "stop"})", 3,
        "t = 0.005 s: /events/0: pierce would remove all 8 remaining elements"},
-      {R"({"at": 0.005, "remove_islands": {"below": 100}})", 3,
+      {R"({"at": 0.005, "remove_islands": {"below": 100}, "on_failure": "stop"})", 3,
        "/events/0: remove_islands would remove all 8 remaining elements"},
-      {R"({"at": 0.005, "tear": {"by": "principal-strain", "above": 1e-9, "most": 0.1}})", 5,
+      {R"({"at": 0.005, "tear": {"by": "principal-strain", "above": 1e-9, "most": 0.1},
+          "on_failure": "stop"})",
+       5,
        "/events/0/tear: would tear"},
       // Two corner cubes are gone, and sides that face across their places are to be sewn:
       // an element between them would be folded.
       {R"({"at": 0.005, "pierce": {"where": {"ids": [0, 7]}}},
-          {"at": 0.005, "suture": {"faces": [[1, 6]]}})",
+          {"at": 0.005, "suture": {"faces": [[1, 6]]}, "on_failure": "stop"})",
        3, "/events/1/suture/faces/0: elements 1 and 6 cannot be sewn: nodes "}};
   for (const BadValue& value : values) {
     std::filesystem::remove_all(folder() / "o");

@@ -128,6 +128,7 @@ rest = {
                {"cut": {"blade": {"obstacle": "tool", "resistance": {"toughness": {"regions": [{}]}}}}},
                {"every": 4, "remove_islands": {"outside": {"box": {}}}},
                {"at": 0, "grasp": {"obstacle": "tool"}}],
+    "debris": {},
     "solver": {"sleep": {}, "budget": {}, "integrator": "implicit-euler"},
     "output": {"probes": {"at": [{"name": "tip"}]}},
     "checkpoint": {}}

@@ -13,6 +13,7 @@ namespace suture::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 TEST_F(Watched, ShowsTheBodyAndItsObstacles) {
   EXPECT_EQ(greeting["elements"], 128);
@@ -222,6 +223,67 @@ TEST_F(Watched, RecordsWhatRepeatsBitForBit) {
   ASSERT_EQ(recorded.inputs.size(), 5U);  // cut, grasp, two moves, release
   EXPECT_GE(recorded.last_step, 900U);
   expect_same_bits(recording());
+}
+
+// ------------------------------------------------------------------- failures --
+
+/// The last quarter of a block is a piece of its own, in the air.
+constexpr const char* with_piece = R"({
+  "suture": 1,
+  "mesh": {"box": {"size": [1, 0.25, 0.25], "cells": [8, 2, 2]}},
+  "models": [{"model": "neo-hookean", "parameters": {"E": 4e5, "nu": 0.3, "rho": 1000}}],
+  "constraints": [{"fix": "xyz", "where": {"set": "x0"}}],
+  "divisible": true,
+  "events": [{"at": 0, "cut": {"plane": {"point": [0.875, 0, 0], "normal": [1, 0, 0]}}}],
+  "solver": {"end": 100}
+})";
+
+class WithPiece : public Watched {
+ protected:
+  WithPiece() : Watched(with_piece) {}
+  /// Presses the outer nodes of the piece through it.
+  std::string fail_at_the_piece() {
+    step(100);
+    state_at(100);
+    page.send(R"({"do":"grab","at":[1.05,0.125,0.125]})");
+    page.send(
+        R"({"do":"apply","event":{"move":{"grasp":"live-hand","translation":[-50,0,0],"during":0.001}}})");
+    page.send(R"({"do":"play"})");
+    return page.until("error")["error"];
+  }
+};
+
+TEST_F(WithPiece, WhatFailedIsRemovedAndTheRunGoesOn) {
+  EXPECT_THAT(fail_at_the_piece(),
+              HasSubstr("The run has failed: a piece of 7.81e+03 ml (4 elements) collapsed."));
+  const Json failed = state([](const Json& head) { return head.contains("remedy"); });
+  EXPECT_EQ(failed["remedy"], "remove a piece of 7.81e+03 ml (4 elements) and go on");
+  page.send(R"({"do":"drag","to":[1,0,0]})");  // says no more
+  page.send(R"({"do":"remove_piece"})");
+  EXPECT_THAT(page.until("message")["message"].get<std::string>(), Not(HasSubstr("failed")));
+  const Json goes_on = state([](const Json& head) { return head["step"] >= 300; });
+  EXPECT_FALSE(goes_on.contains("remedy"));
+  page.send(R"({"do":"pause"})");
+  state([](const Json& head) { return !head["playing"]; });
+  stop();
+  const Recording recorded = read_recording(recording());
+  EXPECT_TRUE(recorded.failure.empty());
+  EXPECT_THAT(recorded.inputs.back().value, HasSubstr("remove_islands"));
+  expect_same_bits(recording());
+}
+
+TEST_F(WithPiece, TheRecordingOfAFailureFailsAgain) {
+  fail_at_the_piece();
+  stop();
+  const Recording recorded = read_recording(recording());
+  EXPECT_THAT(recorded.failure, HasSubstr("collapsed; \"debris\" removes such pieces"));
+  std::vector<std::string> warnings;
+  EXPECT_THROW(repeated_end(recording(), "1", false, warnings), NumericalError);
+}
+
+TEST_F(WithPiece, NothingIsRemovedWithoutAFailure) {
+  page.send(R"({"do":"remove_piece"})");
+  EXPECT_THAT(page.until("error")["error"].get<std::string>(), HasSubstr("has not failed"));
 }
 
 }  // namespace

@@ -140,6 +140,10 @@ Case divided(Random& random, unsigned index) {
          {"tear", {{"by", "principal-strain"}, {"above", random.between(0.01, 0.1)}}}});
   if (random.chance(0.2)) add_many_cuts(scene["events"], random, end);
   if (random.chance(0.25)) add_grasp(scene["events"], random, end);
+  if (index % 3 == 0) scene["debris"] = {{"below", 0.7}};
+  if (index % 4 == 0)  // is skipped
+    scene["events"].push_back(
+        {{"every", 9}, {"remove_islands", {{"below", 100000}}}, {"on_failure", "skip"}});
   const bool divides = scene["events"].dump().find("blade") != std::string::npos;
   for (int i = static_cast<int>(random.between(0, 2.5)); i > 0; --i)
     scene["loads"].push_back(load(random, divides));

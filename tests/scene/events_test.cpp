@@ -278,6 +278,10 @@ INSTANTIATE_TEST_SUITE_P(
                  "one of 'faces'"},
         BadEvent{R"({"at": 0, "suture": {"faces": [[0]]}})", "/events/0/suture/faces/0", "[a, b]"},
         BadEvent{R"({"at": 0, "remove_islands": {}})", "/events/0/remove_islands", "'below'"},
+        BadEvent{R"({"at": 0, "remove_islands": {"volume": 0}})", "/events/0/remove_islands/volume",
+                 "must be > 0 m^3"},
+        BadEvent{R"({"at": 0, "remove_islands": {"below": 2}, "on_failure": "go"})",
+                 "/events/0/on_failure", "must be"},
         BadEvent{R"({"at": 0, "remove_islands": {"outside": {}}})",
                  "/events/0/remove_islands/outside", "'box' is missing"}));
 

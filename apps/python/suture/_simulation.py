@@ -196,10 +196,11 @@ class Simulation(_suture.Simulation):
         return self._operate(
             "suture", _without_none(faces=faces, between=between, gap=gap, where=where))
 
-    def remove_islands(self, below=None, *, outside=None):
-        """Remove whole pieces with fewer than `below` elements, or without a vertex in a box
-        ({"box": {"min", "max"}}); return a Change."""
-        return self._operate("remove_islands", _without_none(below=below, outside=outside))
+    def remove_islands(self, below=None, *, outside=None, volume=None):
+        """Remove whole pieces with fewer than `below` elements, with less `volume` at rest (m^3), or
+        without a vertex in a box ({"box": {"min", "max"}}); return a Change."""
+        return self._operate("remove_islands",
+                             _without_none(below=below, outside=outside, volume=volume))
 
     # ---- tools ----
 

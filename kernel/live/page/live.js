@@ -109,6 +109,8 @@ function show_numbers(head) {
     `t = ${digits(head.time)} s, step ${head.step}${head.ended ? ', ended' : ''}`,
     head.playing ? `${Number(digits(head.steps_per_second, 3))} steps/s, ${digits(head.real_time, 3)} of real time` : 'paused',
     `balance ${digits(100 * head.balance, 2)} %`].join('\n');
+  $('#remedy').hidden = !head.remedy;
+  $('#remedy').textContent = head.remedy ? head.remedy[0].toUpperCase() + head.remedy.slice(1) : '';
   $('#legend').hidden = head.field === 'island';
   const unit = live.greeting.fields.find((field) => field.name === head.field)?.unit;
   $('#legend-top').textContent = `${head.field}${unit && unit !== '1' ? ', ' + unit : ''}\n${digits(picture.range[1], 3)}`;
@@ -227,6 +229,7 @@ function toggle_video() {
 draw_legend();
 show_kept([]);
 $('#play').onclick = toggle;
+$('#remedy').onclick = () => send({ do: 'remove_piece' });
 $('#step').onclick = () => send({ do: 'step' });
 $('#reset').onclick = () => send({ do: 'reset' });
 $('#back').onclick = () => send({ do: 'back' });

@@ -97,8 +97,8 @@ class PieceContact {
   bool may_meet() const { return lists_.may_meet(); }
   /// Of the boundary, since begin().
   std::span<const FeatureEdge> feature_edges() const { return lists_.feature_edges(); }
-  /// Whether a vertex and a face of the boundary, or two of these edges, touch each other where they
-  /// meet; after begin().
+  /// Whether a vertex and a face of the boundary, or two of these edges, touch each other where
+  /// they meet; after begin().
   bool may_touch(const NearPair& pair) const { return lists_.may_meet(pair); }
   bool may_touch(const NearEdges& pair) const { return lists_.may_meet(pair); }
 

@@ -13,8 +13,8 @@
 namespace suture {
 namespace {
 
-// In typical edges: how far in front of a plane a point may begin behind it, how far beside_when_passing a
-// triangle it may pass it, and a cell of the grid.
+// In typical edges: how far in front of a plane a point may begin behind it, how far
+// beside_when_passing a triangle it may pass it, and a cell of the grid.
 constexpr double level_at_start = 1e-4, beside_when_passing = 1e-3, cell_in_edges = 1;
 constexpr int halvings = 50;
 // A place that moves by more edges than these has gone wrong in other ways.
@@ -89,7 +89,8 @@ bool passes(const Ways& ways, const std::array<Index, 3>& corners, Index p, doub
             double depth) {
   const auto [a, b, c] = corners;
   if (!(height(ways.end(a), ways.end(b), ways.end(c), ways.end(p)) < -depth)) return false;
-  if (!(height(ways.at(a, 0), ways.at(b, 0), ways.at(c, 0), ways.at(p, 0)) > -level_at_start * edge))
+  if (!(height(ways.at(a, 0), ways.at(b, 0), ways.at(c, 0), ways.at(p, 0)) >
+        -level_at_start * edge))
     return false;
   const double t = time_of_plane(ways, {a, b, c, p});
   const Vec3 A = ways.at(a, t), B = ways.at(b, t), C = ways.at(c, t), P = ways.at(p, t);

@@ -261,8 +261,8 @@ void LiveRun::remove_failed_piece(Observer& observer) {
   if (!status_.has_failed || !simulation_->failed_piece())
     throw InputError("the run has not failed at a small piece; there is nothing to remove");
   const FailedPiece piece = *simulation_->failed_piece();
-  const auto done = recording_->has_inputs() ? recording_->read().inputs
-                                             : std::vector<RecordedInput>();
+  const auto done =
+      recording_->has_inputs() ? recording_->read().inputs : std::vector<RecordedInput>();
   std::optional<LiveState> from = std::exchange(recent_, std::nullopt);
   if (from && from->step > piece.good_step) from.reset();
   kept_.drop_after(piece.good_step);

@@ -268,7 +268,8 @@ void LiveRun::fail(const Error& error) {
   diagnostics_.note(std::string("the run has failed: ") + error.what());
   const auto& piece = simulation_->failed_piece();
   if (!piece || !own_)
-    return tell("error", std::string(error.what()) + "\nThe run has failed; this is its last state.");
+    return tell("error",
+                std::string(error.what()) + "\nThe run has failed; this is its last state.");
   status_.remedy = "remove " + piece->text() + " and go on";
   tell("error", "The run has failed: " + piece->text() +
                     " collapsed. Remove it, take the last action back, or reset the run.");

@@ -32,7 +32,7 @@ struct Recording {
   std::string start;                  ///< state_hash() there
   std::vector<RecordedInput> inputs;  ///< those that count, by step
   std::uint64_t last_step = 0;
-  std::string end;  ///< state_hash() after the last step; "" if the program was killed, or
+  std::string end;      ///< state_hash() after the last step; "" if the program was killed, or
   std::string failure;  ///< why the last step failed
 };
 

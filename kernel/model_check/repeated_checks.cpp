@@ -149,11 +149,9 @@ Result order(const BatchCase& of) {
                fine = largest_difference(after[1], after[2]);
   if (fine <= 1e-9 * largest_of(after[2])) return Measured{0, "no change with the step"};
   char text[160];
-  std::snprintf(text, sizeof text,
-                "order %.2g in the length of a step%s", std::log2(coarse / fine),
-                fine > 0.35 * coarse
-                    ? "; a strain that is linear within a step gives 2 (docs/sdk.md)"
-                    : "");
+  std::snprintf(
+      text, sizeof text, "order %.2g in the length of a step%s", std::log2(coarse / fine),
+      fine > 0.35 * coarse ? "; a strain that is linear within a step gives 2 (docs/sdk.md)" : "");
   return Measured{fine / coarse, text};
 }
 

@@ -117,9 +117,9 @@ Recorder::Recorder(const Scene& scene, BuiltScene& built, const EventRunner& eve
       if (field.has_dissipation()) columns.push_back(field.field().name + " supplied [J]");
     }
     if (events.debris().is_removed())
-      columns.insert(columns.end(),
-                     {"body mass [kg]", "debris volume [m^3]", "debris mass [kg]", "debris momentum x [N s]",
-                      "debris momentum y [N s]", "debris momentum z [N s]", "debris energy [J]"});
+      columns.insert(columns.end(), {"body mass [kg]", "debris volume [m^3]", "debris mass [kg]",
+                                     "debris momentum x [N s]", "debris momentum y [N s]",
+                                     "debris momentum z [N s]", "debris energy [J]"});
     energies_ = std::make_unique<CsvWriter>(folder_, "energies.csv", columns);
   }
   if (options.probes_every > 0 && !options.probes.empty()) {
@@ -362,7 +362,8 @@ void Recorder::energies(std::uint64_t step, double time, double dt, const Energy
     const Column& mass = built_.body().attributes().mass();
     double body = 0;
     for (Index v = 0; v < mass.size(); ++v) body += mass.get(v, 0);
-    values.insert(values.end(), {body, debris.volume, debris.mass, p[0], p[1], p[2], debris.energy});
+    values.insert(values.end(),
+                  {body, debris.volume, debris.mass, p[0], p[1], p[2], debris.energy});
   }
   require_finite(values, "energies.csv", built_);
   pending_.push_back({step, PendingRecord::Kind::energies, nullptr, std::move(values)});

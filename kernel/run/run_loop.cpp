@@ -115,8 +115,8 @@ void RunLoop::require_held_bodies() {
 
 // ------------------------------------------------------------------- events --
 
-/// At an equilibrium that an event has led to, more events may be due. False if the run went back to
-/// an earlier step instead.
+/// At an equilibrium that an event has led to, more events may be due. False if the run went back
+/// to an earlier step instead.
 bool RunLoop::fire_events(Observer& observer, const StepControl::Notify& notify) {
   do {
     if (!fire_due_events(observer, notify)) return false;
@@ -186,8 +186,7 @@ void RunLoop::skip(std::size_t event, const Error& error) {
   if (is_blade) schedule_.end(event);
   if (std::exchange(was_skipped_[event], 1) != 0) return;
   diagnostics_.warn(timed(clock_.time(), error.what()) +
-                    (is_blade ? "; the blade cuts no further"
-                              : "; the event is skipped"));
+                    (is_blade ? "; the blade cuts no further" : "; the event is skipped"));
 }
 
 /// The cells are others: so are the islands and the stable step.

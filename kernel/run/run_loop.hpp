@@ -105,13 +105,13 @@ class RunLoop {
   Checkpoints checkpoints_;
   std::vector<Decision> decisions_;
   RunSummary summary_;
-  bool is_ready_ = false;         ///< make_ready()
+  bool is_ready_ = false;                  ///< make_ready()
   std::vector<std::uint8_t> was_skipped_;  ///< by event: it has been reported
-  bool is_unbalanced_ = false;    ///< something has changed since the last step
-  std::uint64_t first_step_ = 0;  ///< not 0 if the run was resumed
-  Wall::time_point began_{};      ///< the call of advance()
-  std::uint64_t began_at_ = 0;    ///< its first step
-  Wall::time_point reported_{};   ///< the last progress
+  bool is_unbalanced_ = false;             ///< something has changed since the last step
+  std::uint64_t first_step_ = 0;           ///< not 0 if the run was resumed
+  Wall::time_point began_{};               ///< the call of advance()
+  std::uint64_t began_at_ = 0;             ///< its first step
+  Wall::time_point reported_{};            ///< the last progress
   Communicator* processes_;
 };
 

@@ -49,7 +49,7 @@ struct RunSummary {
   Outcome outcome = Outcome::finished;
   std::uint64_t steps = 0, frames = 0, inverted_elements = 0;
   std::uint64_t faces_cut = 0, faces_torn = 0, faces_sewn = 0, elements_removed = 0;
-  std::uint64_t elements_cut = 0;  ///< along the blade
+  std::uint64_t elements_cut = 0;    ///< along the blade
   std::uint64_t events_skipped = 0;  ///< could not be carried out
   RemovedMatter debris;
   double volume_at_start = 0;   ///< m^3; Debris::volume_at_start()

@@ -146,9 +146,9 @@ struct Event {
   std::optional<double> until{};  ///< s; or
   std::optional<Condition> when{};
   EventOperation what;
-  bool rest_shape = false;  ///< "shape": "rest"
+  bool rest_shape = false;                      ///< "shape": "rest"
   OnFailure on_failure = OnFailure::by_solver;  ///< takes precedence over the solver's
-  std::string path;         ///< "/events/0"
+  std::string path;                             ///< "/events/0"
 
   /// The key in the scene: "cut", "pierce", "grasp", ...
   const char* operation() const;

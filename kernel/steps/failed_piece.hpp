@@ -23,9 +23,9 @@ struct FailedPiece {
   std::string advice() const;
 };
 
-/// The smallest piece with one of the elements `suspects` (those that are inverted or not finite, if
-/// some are), or without any, with an element that is inverted or not finite. None if it is larger
-/// than a few typical elements: then it is the load that is too large.
+/// The smallest piece with one of the elements `suspects` (those that are inverted or not finite,
+/// if some are), or without any, with an element that is inverted or not finite. None if it is
+/// larger than a few typical elements: then it is the load that is too large.
 std::optional<FailedPiece> find_failed_piece(BuiltScene& built, const Debris& debris,
                                              std::vector<Index> suspects);
 

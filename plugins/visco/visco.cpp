@@ -35,8 +35,10 @@ struct Visco : suture::continuum<Visco> {
     suture::sym3<T> target;       // C^-1 - I at the end of the last step
   };
   static constexpr suture::attribute states[] = {
-      suture::state("flow_1", "1", "A_1 - I", 6), suture::state("flow_2", "1", "A_2 - I", 6),
-      suture::state("flow_3", "1", "A_3 - I", 6), suture::state("flow_4", "1", "A_4 - I", 6),
+      suture::state("flow_1", "1", "A_1 - I", 6),
+      suture::state("flow_2", "1", "A_2 - I", 6),
+      suture::state("flow_3", "1", "A_3 - I", 6),
+      suture::state("flow_4", "1", "A_4 - I", 6),
       suture::state("flow_5", "1", "A_5 - I", 6),
       suture::state("target", "1", "C^-1 - I at the end of the last step", 6)};
   /// Exact for a C^-1 that changes linearly within the step; the weights are positive and sum to 1.

@@ -275,8 +275,7 @@ TEST_F(BadScenes, OperationsThatFailOnTheWayLoseNothing) {
        "/events/0: remove_islands would remove all 8 remaining elements"},
       {R"({"at": 0.005, "tear": {"by": "principal-strain", "above": 1e-9, "most": 0.1},
           "on_failure": "stop"})",
-       5,
-       "/events/0/tear: would tear"},
+       5, "/events/0/tear: would tear"},
       // Two corner cubes are gone, and sides that face across their places are to be sewn:
       // an element between them would be folded.
       {R"({"at": 0.005, "pierce": {"where": {"ids": [0, 7]}}},

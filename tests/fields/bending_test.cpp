@@ -15,12 +15,13 @@ namespace {
 std::string beam(int height, const std::string& model, const std::string& parameters,
                  const std::string& more) {
   const std::string n = std::to_string(height);
-  return R"("mesh": {"box": {"size": [1, 0.1, 0.1], "cells": [)" + std::to_string(10 * height) + ", " +
-         n + ", " + n + R"(]}}, "models": [{"model": ")" + model + R"(", "parameters": {)" +
+  return R"("mesh": {"box": {"size": [1, 0.1, 0.1], "cells": [)" + std::to_string(10 * height) +
+         ", " + n + ", " + n + R"(]}}, "models": [{"model": ")" + model + R"(", "parameters": {)" +
          parameters + R"(}}], "constraints": [{"fix": "xyz", "where": {"set": "x0"}}], )" + more;
 }
 std::string tip_force(double newton) {
-  return R"("loads": [{"force": [0, )" + std::to_string(newton) + R"(, 0], "where": {"set": "x1"}}])";
+  return R"("loads": [{"force": [0, )" + std::to_string(newton) +
+         R"(, 0], "where": {"set": "x1"}}])";
 }
 double tip(FieldRun& run) {
   Selection end;
@@ -68,20 +69,19 @@ struct Series {
   /// The stress of a strain of 1, applied at once.
   double relaxed(double time) const {
     double stress = instant;
-    for (int k = 0; k < 5; ++k)
-      stress += modulus[k] * std::expm1(-time / (1e-3 * std::pow(10, k)));
+    for (int k = 0; k < 5; ++k) stress += modulus[k] * std::expm1(-time / (1e-3 * std::pow(10, k)));
     return stress / instant;
   }
 };
 const std::string visco = R"("K": 861, "n": 0.1138, "lambda": 1e6, "rho": 1e-6)";
 
 TEST_P(Bending, ABeamCreepsAsItsMaterialDoes) {
-  FieldRun run(field_scene(beam(GetParam(), "visco", visco,
-                                tip_force(-1e-4) +
-                                    R"(, "solver": {"static": {"frames": 40}, "end": 100})")));
-  FieldRun first(field_scene(beam(GetParam(), "visco", visco,
-                                  tip_force(-1e-4) +
-                                      R"(, "solver": {"static": {"frames": 1}, "end": 1e-7})")));
+  FieldRun run(field_scene(
+      beam(GetParam(), "visco", visco,
+           tip_force(-1e-4) + R"(, "solver": {"static": {"frames": 40}, "end": 100})")));
+  FieldRun first(field_scene(
+      beam(GetParam(), "visco", visco,
+           tip_force(-1e-4) + R"(, "solver": {"static": {"frames": 1}, "end": 1e-7})")));
   const double expected = Series().creep(100, 20000);
   EXPECT_NEAR(expected, 3.706, 0.01);
   const double ratio = tip(run.run_to(100)) / tip(first.run_to(1e-7));
@@ -92,9 +92,10 @@ TEST_P(Bending, ABeamCreepsAsItsMaterialDoes) {
 
 TEST_P(Bending, AWarmBeamIsSofter) {
   const auto deflection = [&](const std::string& softening) {
-    FieldRun run(field_scene(beam(GetParam(), "thermoelastic",
-                                  R"("mu": 4e4, "lambda": 6e4, "rho": 1000, "softening": )" + softening,
-                                  tip_force(-1e-4) + R"(, "fields": [{"field": "temperature", "start":
+    FieldRun run(
+        field_scene(beam(GetParam(), "thermoelastic",
+                         R"("mu": 4e4, "lambda": 6e4, "rho": 1000, "softening": )" + softening,
+                         tip_force(-1e-4) + R"(, "fields": [{"field": "temperature", "start":
                                   303.15}], "solver": {"static": {}})")));
     return tip(run.run_to(1));
   };
@@ -104,10 +105,10 @@ TEST_P(Bending, AWarmBeamIsSofter) {
 // The curvature alpha dT / h bends the end by L^2 / 2 of it.
 TEST_P(Bending, AGradientOfTemperatureBendsABeam) {
   for (const std::string lambda : {"6e4", "2e7"}) {
-    FieldRun run(field_scene(
-        beam(GetParam(), "thermoelastic",
-             R"("mu": 4e4, "rho": 1000, "alpha": 1e-4, "lambda": )" + lambda,
-             R"("fields": [{"field": "temperature", "start": 283.15, "where": {"set": "y0"}}, {"field":
+    FieldRun run(field_scene(beam(
+        GetParam(), "thermoelastic",
+        R"("mu": 4e4, "rho": 1000, "alpha": 1e-4, "lambda": )" + lambda,
+        R"("fields": [{"field": "temperature", "start": 283.15, "where": {"set": "y0"}}, {"field":
              "temperature", "start": 303.15, "where": {"set": "y1"}}], "solver": {"static": {}})")));
     EXPECT_NEAR(tip(run.run_to(1)) / -0.01, 1, 0.1) << lambda;  // the clamp hinders 6 %
   }
@@ -119,7 +120,8 @@ TEST_P(Bending, FibresAreTautOnOneSide) {
   const auto deflection = [&](const std::string& k1) {
     FieldRun run(field_scene(beam(GetParam(), "fibres",
                                   R"("mu": 1e4, "lambda": 0, "k2": 1, "rho": 1, "fibre": [1, 0, 0],
-                                  "k1": )" + k1,
+                                  "k1": )" +
+                                      k1,
                                   tip_force(-1e-4) + R"(, "solver": {"static": {}})")));
     return tip(run.run_to(1));
   };
@@ -136,8 +138,10 @@ TEST(BendingSamples, HaveNoHandedness) {
     FieldRun run(field_scene(
         R"("mesh": {"box": {"size": )" + size + R"(, "cells": )" + cells +
         R"(}}, "models": [{"model": "fibres", "parameters": {"mu": 1e4, "lambda": 1e4, "k1": 1e5,
-        "k2": 1, "rho": 1, "fibre": )" + fibre + R"(}}], "constraints": [{"fix": "xyz", "where":
-        {"set": ")" + "xyz"[(axis + 2) % 3] + R"(0"}}], "loads": [{"force": )" + force +
+        "k2": 1, "rho": 1, "fibre": )" +
+        fibre + R"(}}], "constraints": [{"fix": "xyz", "where":
+        {"set": ")" +
+        "xyz"[(axis + 2) % 3] + R"(0"}}], "loads": [{"force": )" + force +
         R"(, "where": {"set": ")" + "xyz"[(axis + 2) % 3] + R"(1"}}], "solver": {"static": {}})"));
     run.run_to(1);
     Selection all;
@@ -146,7 +150,8 @@ TEST(BendingSamples, HaveNoHandedness) {
   };
   const double u = deflection("[1, 0.2, 0.1]", "[5, 1, 1]", "[0, 0.05, 0]", "[0.8, 0.6, 0]", 1);
   EXPECT_GT(std::abs(u), 1e-3);
-  EXPECT_NEAR(deflection("[0.1, 1, 0.2]", "[1, 5, 1]", "[0, 0, 0.05]", "[0, 0.8, 0.6]", 2), u, 1e-7 * u);
+  EXPECT_NEAR(deflection("[0.1, 1, 0.2]", "[1, 5, 1]", "[0, 0, 0.05]", "[0, 0.8, 0.6]", 2), u,
+              1e-7 * u);
   EXPECT_NEAR(deflection("[1, 0.2, 0.1]", "[5, 1, 1]", "[0, -0.05, 0]", "[0.8, -0.6, 0]", 1), -u,
               1e-7 * std::abs(u));
 }
@@ -157,7 +162,8 @@ TEST(LinearLaw, HasTheStressOfTheStrainOnEveryElement) {
   for (const std::string element : {"trilinear", "mean-gradient"}) {
     FieldRun run(field_scene(
         R"("mesh": {"box": {"size": [1, 1, 1], "cells": [1, 1, 1]}}, "models": [{"model": "hooke",
-        "parameters": {"E": 1e5, "nu": 0.25, "rho": 1, "element": ")" + element +
+        "parameters": {"E": 1e5, "nu": 0.25, "rho": 1, "element": ")" +
+        element +
         R"("}}], "constraints": [{"fix": "xyz", "where": {"set": "x0"}}, {"move": {"translation":
         [0.2, 0.1, 0]}, "ramp": 1, "where": {"set": "x1"}}], "solver": {"static": {}})"));
     run.run_to(1);

@@ -232,8 +232,9 @@ TEST_F(Events, IslandsThatAreSmallOrFarAreRemoved) {
   EXPECT_FALSE(apply(RemoveIslands{4, {}}).changed()) << "it has 4";
   EXPECT_EQ(apply(RemoveIslands{5, {}}).elements_removed, 4u);
   apply(middle);
-  EXPECT_EQ(apply(RemoveIslands{.outside = Selection::InBox{{-1, -1, -1}, {0.4, 1, 1}}}).elements_removed,
-            12u);
+  EXPECT_EQ(
+      apply(RemoveIslands{.outside = Selection::InBox{{-1, -1, -1}, {0.4, 1, 1}}}).elements_removed,
+      12u);
   EXPECT_EQ(complex().existing(3), 16u);
 }
 

@@ -206,7 +206,9 @@ TEST(CoarseParts, StaySmallWhereSomeAreSewn) {
       box.sew_parts(is_wanted);
       ASSERT_NO_FATAL_FAILURE(expect_sound(box, 8));
       for (const Index e : box.parts.parts().elements)
-        if (box.complex.exists(3, e)) EXPECT_LT(tetrahedra_of(box.parts.parts(), e), 800u);
+        if (box.complex.exists(3, e)) {
+          EXPECT_LT(tetrahedra_of(box.parts.parts(), e), 800u);
+        }
     }
   }
 }

@@ -80,7 +80,8 @@ struct Cut : test::OpenScene {
 TEST(Debris, ACornerThatIsTooSmallGoesAndIsBooked) {
   Cut cut(bar(0.8));
   const auto [mass, momentum] = cut.mass_and_momentum();
-  const double energy = energies(cut.built.dynamics()).kinetic + energies(cut.built.dynamics()).elastic;
+  const double energy =
+      energies(cut.built.dynamics()).kinetic + energies(cut.built.dynamics()).elastic;
   const EventOutcome outcome = cut.events.fire(0, 0);
   const RemovedMatter& debris = outcome.debris;
   EXPECT_EQ(debris.pieces, 1u);
@@ -97,7 +98,8 @@ TEST(Debris, ACornerThatIsTooSmallGoesAndIsBooked) {
   EXPECT_NEAR(debris.mass, density * debris.volume, 1e-9 * mass);
   EXPECT_NEAR(norm(minus(plus(momentum_left, debris.momentum), momentum)), 0, 1e-12 * mass);
   // The cut itself changes no kinetic energy; the law is integrated again over the parts.
-  const double left = energies(cut.built.dynamics()).kinetic + energies(cut.built.dynamics()).elastic;
+  const double left =
+      energies(cut.built.dynamics()).kinetic + energies(cut.built.dynamics()).elastic;
   const EnergyBalance balance = cut.built.dynamics().check_balance();
   EXPECT_NEAR(balance.events, left - energy, 1e-10 * energy);
   EXPECT_NEAR(balance.balance, 0, 1e-10 * energy);

@@ -243,8 +243,10 @@ INSTANTIATE_TEST_SUITE_P(
                "did you mean 'gauss2'"},
         BadSet{"/solver/on_failure=skim", "/solver/on_failure", "did you mean 'skip'"},
         BadSet{"/debris={\"below\": 0}", "/debris/below", "must be > 0"},
-        BadSet{"/debris={\"below\": 0.1, \"volume\": 1e-9}", "/debris/volume", "cannot be combined"},
-        BadSet{"/debris={\"do\": \"remove\", \"bellow\": 0.1}", "/debris/bellow", "did you mean 'below'"},
+        BadSet{"/debris={\"below\": 0.1, \"volume\": 1e-9}", "/debris/volume",
+               "cannot be combined"},
+        BadSet{"/debris={\"do\": \"remove\", \"bellow\": 0.1}", "/debris/bellow",
+               "did you mean 'below'"},
         BadSet{"/debris={\"do\": \"freeze\"}", "/debris/do", "must be one of 'remove', 'keep'"},
         BadSet{"/models/0/on_inversion=wurn", "/models/0/on_inversion", "did you mean 'warn'"},
         BadSet{"/plugins=[\"x.so\"]", "/plugins/0", "no plugin file"}));

@@ -9,7 +9,8 @@
 // the strains along the rest edges in the plane of E_a and E_b are
 //   E_b . p_a,   E_a . p_b,   E_a . p_a + E_b . p_b (twice the shear);
 // the shears with axis i, which no bent body has, are left out. The strain S_i consists of the
-// strains in the plane and of those out of it by which the law at rest has no stress on the plane. The six samples are
+// strains in the plane and of those out of it by which the law at rest has no stress on the plane.
+// The six samples are
 //   F+- = F (I +- S_i + S_i^2 / 2)
 // whose volume is det F exp(+- tr S_i), but for terms of the third order; their energy is
 //   V / 6 sum of W(F+-)
@@ -95,8 +96,7 @@ struct skew_bending {
   template <class T>
   SUTURE_INLINE sym3<T> strain(int i, const vec3<T>& p_a, const vec3<T>& p_b) const {
     const vec3<R>&a = edges.column[(i + 1) % 3], &b = edges.column[(i + 2) % 3];
-    return by[i][0] * dot(a, p_b) + by[i][1] * dot(b, p_a) +
-           by[i][2] * (dot(a, p_a) + dot(b, p_b));
+    return by[i][0] * dot(a, p_b) + by[i][1] * dot(b, p_a) + by[i][2] * (dot(a, p_a) + dot(b, p_b));
   }
   template <class T>
   SUTURE_INLINE void pull(int i, const sym3<T>& D, vec3<T>& p_a, vec3<T>& p_b) const {
@@ -124,7 +124,8 @@ struct anisotropic_out_of_plane {
   R C[21];
 
   SUTURE_INLINE vec3<R> operator()(const vec3<R>& n, const sym3<R>& B) const {
-    vec3<R> unit[3] = {{R(1.0), R(0.0), R(0.0)}, {R(0.0), R(1.0), R(0.0)}, {R(0.0), R(0.0), R(1.0)}};
+    vec3<R> unit[3] = {
+        {R(1.0), R(0.0), R(0.0)}, {R(0.0), R(1.0), R(0.0)}, {R(0.0), R(0.0), R(1.0)}};
     mat3<R> A;
     for (int k = 0; k < 3; ++k)
       A.column[k] = stress(skew_bending<R>::symmetric_product(n, unit[k])) * n;
@@ -134,8 +135,7 @@ struct anisotropic_out_of_plane {
     sym3<R> s;
     for (int i = 0; i < 6; ++i) {
       s.c[i] = R(0.0);
-      for (int j = 0; j < 6; ++j)
-        s.c[i] += C[place(i, j)] * ((j < 3 ? 1.0 : 2.0) * strain.c[j]);
+      for (int j = 0; j < 6; ++j) s.c[i] += C[place(i, j)] * ((j < 3 ? 1.0 : 2.0) * strain.c[j]);
     }
     return s;
   }
@@ -218,8 +218,8 @@ struct stretches {
   SUTURE_INLINE explicit stretches(const sym3<T>& S) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j <= i; ++j) {
-        const T even =
-            0.5 * (S(i, 0) * S(0, j) + S(i, 1) * S(1, j) + S(i, 2) * S(2, j)) + (i == j ? 1.0 : 0.0);
+        const T even = 0.5 * (S(i, 0) * S(0, j) + S(i, 1) * S(1, j) + S(i, 2) * S(2, j)) +
+                       (i == j ? 1.0 : 0.0);
         more(i, j) = even + S(i, j);
         less(i, j) = even - S(i, j);
       }

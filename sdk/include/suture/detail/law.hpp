@@ -358,8 +358,10 @@ lame_of<R> lame_at(const mat3<double>& F0, const Material& p) {
 constexpr int rest_samples = 6;
 inline mat3<double> near_rest(int sample) {
   constexpr double step = 1e-7;
-  constexpr double along[3][3] = {  // no axis of symmetry of a usual law lies along them
-      {0.36, 0.48, 0.80}, {-0.80, 0.60, 0.0}, {-0.48, -0.64, 0.60}};
+  constexpr double along[3][3] = {// no axis of symmetry of a usual law lies along them
+                                  {0.36, 0.48, 0.80},
+                                  {-0.80, 0.60, 0.0},
+                                  {-0.48, -0.64, 0.60}};
   const double(&d)[3] = along[sample / 2];
   const double size = sample % 2 == 0 ? step : -step;
   mat3<double> F;

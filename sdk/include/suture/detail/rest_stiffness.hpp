@@ -105,8 +105,8 @@ constexpr auto rest_stiffness_columns() {
 template <class M>
 inline constexpr int mean_points = is_sampled<M> ? bending_samples : 1;
 template <class M>
-inline constexpr auto mean_columns =
-    joined(state_columns<M, mean_points<M>>, rest_stiffness_columns<M>());
+inline constexpr auto mean_columns = joined(state_columns<M, mean_points<M>>,
+                                            rest_stiffness_columns<M>());
 
 }  // namespace suture::detail
 

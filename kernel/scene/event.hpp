@@ -98,9 +98,9 @@ struct SewFaces {
 /// Removes whole islands that have too few elements, too little volume or have left a box. One of
 /// the conditions that are given suffices.
 struct RemoveIslands {
-  std::uint64_t below = 0;                  ///< elements; 0: no limit
-  double volume = 0;                        ///< m^3, at rest; 0: no limit
-  std::optional<Selection::InBox> outside;  ///< in the deformed shape
+  std::uint64_t below = 0;                    ///< elements; 0: no limit
+  double volume = 0;                          ///< m^3, at rest; 0: no limit
+  std::optional<Selection::InBox> outside{};  ///< in the deformed shape
 };
 
 /// Holds nodes from where they are, and moves them by what `held` says: its selection acts on the

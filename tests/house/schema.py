@@ -93,7 +93,7 @@ def read_keys(name, scene):
     wrong = copy.deepcopy(scene)
     for _, item, _ in list(objects_of(wrong, [schema])):
         item["q" * 24] = 0
-    return {path.removesuffix("/" + "q" * 24): frozenset(re.findall(r"'([a-z_]+)'", text))
+    return {path.removesuffix("/" + "q" * 24): frozenset(re.findall(r"'(\$?[a-z_]+)'", text))
             for path, text in report_on(name, wrong) if "valid keys: " in text}
 
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/attributes/inspection.hpp"
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -25,17 +26,21 @@ class InspectionBatch {
         node_count_(nodes_of(functor)) {
     positions_.resize(static_cast<std::size_t>(node_count_) * 3 * lanes);
     at_rest_.resize(positions_.size(), 0.0);
+    // Columns of whole elements are left out where all elements are parts: they are NaN, of which
+    // inspect() reports nothing.
     for (const std::uint32_t a : std::span(functor.cell_columns, functor.cell_column_count)) {
       cell_sources_.push_back(instance.column(a));
-      cell_values_.emplace_back(cell_sources_.back()->spec().components * lanes);
+      cell_values_.emplace_back(instance.model().attributes[a].components * lanes,
+                                std::numeric_limits<double>::quiet_NaN());
       cell_pointers_.push_back(cell_values_.back().data());
     }
     for (const std::uint32_t a : std::span(functor.vertex_columns, functor.vertex_column_count)) {
       const Column* const shared = a == UINT32_MAX ? &mass : instance.shared_column(a);
       vertex_sources_.push_back(shared ? shared : instance.column(a));
-      vertex_values_.emplace_back(
-          static_cast<std::size_t>(node_count_) *
-          static_cast<std::size_t>(vertex_sources_.back()->spec().components) * lanes);
+      const std::size_t components =
+          a == UINT32_MAX ? 1 : instance.model().attributes[a].components;
+      vertex_values_.emplace_back(static_cast<std::size_t>(node_count_) * components * lanes,
+                                  std::numeric_limits<double>::quiet_NaN());
       vertex_pointers_.push_back(vertex_values_.back().data());
     }
   }
@@ -60,7 +65,7 @@ class InspectionBatch {
     const Index cell = instance_.table(dimension_).cells.cell(row);
     ids_[lane] = dimension_ == 3 && !user_element_.empty() ? user_element_[cell] : cell;
     for (std::size_t i = 0; i < cell_sources_.size(); ++i)
-      for (int c = 0; c < cell_sources_[i]->spec().components; ++c)
+      for (int c = 0; cell_sources_[i] && c < cell_sources_[i]->spec().components; ++c)
         cell_values_[i][static_cast<std::size_t>(c) * lanes + lane] = cell_sources_[i]->get(row, c);
     const FunctorCorners corners = corners_of(instance_, functor_, rest_.complex(), cell);
     for (std::size_t n = 0; n < static_cast<std::size_t>(node_count_); ++n) {
@@ -73,6 +78,7 @@ class InspectionBatch {
   }
 
   void gather_vertex(std::size_t i, std::size_t n, Index vertex, Index lane) {
+    if (!vertex_sources_[i]) return;
     const Column& source = *vertex_sources_[i];
     const bool is_shared = source.size() != instance_.table(0).cells.size();
     const Index row = is_shared ? vertex : instance_.table(0).cells.row(vertex);

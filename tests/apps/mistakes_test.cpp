@@ -247,7 +247,8 @@ TEST_F(Mistakes, FloatingPointModesThatAreLeftChangedAreRestoredAndReported) {
   const Variable path("SUTURE_PLUGIN_PATH", TEST_PLUGINS);
   const auto energies_with = [&](const std::string& how, Outcome& outcome) {
     outcome = scene("run", R"(, "gravity": [0, -9.8, 0], "output": {"energies": {}})",
-                    {R"(/models/-={"model": "mistakes", "parameters": {"how": ")" + how + "\"}}"});
+                    {R"(/models/-={"model": "mistakes", "adds": true, "parameters": {"how": ")" +
+                     how + "\"}}"});
     return Program::read("out/s/energies.csv");
   };
   Outcome outcome;

@@ -118,7 +118,7 @@ TEST(Cracks, TearingByAModelReadsItsOwnField) {
       {"model": "tm-faure", "region": {"half_space": {"point": [0.5, 0, 0], "normal": [-1, 0, 0]}},
        "parameters": {"E": 1e5, "nu": 0, "rho": 1000}},
       {"model": "damage-springs", "region": {"half_space": {"point": [0.5, 0, 0], "normal":
-       [-1, 0, 0]}}, "parameters": {"E": 1e5, "rho": 1, "e0": 0.01, "e1": 0.1}},
+       [-1, 0, 0]}}, "adds": true, "parameters": {"E": 1e5, "rho": 1, "e0": 0.01, "e1": 0.1}},
       {"model": "gradient-damage", "region": {"half_space": {"point": [0.5, 0, 0], "normal":
        [1, 0, 0]}}, "parameters": {"mu": 6e9, "K": 4e9, "rho": 1000, "Gc": 1e4, "l": 0.1}}],
       "constraints": [{"fix": "xyz", "where": {"set": "x0"}}, {"move": {"translation": [0.3, 0, 0]},

@@ -98,6 +98,7 @@ TEST(TearEvent, EverythingAtOnceStopsTheRunAndTearsNothing) {
   Scene scene = pulled_bar(0.6);
   scene.events.push_back(tear_of(0.2, 1));
   scene.events[0].from = 0.09;
+  scene.solver.on_failure = OnFailure::stop;
   TestSimulation simulation(scene);
   Listener heard;
   try {

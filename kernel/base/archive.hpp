@@ -218,7 +218,7 @@ class Archive {
     group(name, [&] {
       bool has = value.has_value();
       (*this)("has", has);
-      if (loads()) has ? void(value.emplace()) : value.reset();
+      if (loads()) has ? void(value.emplace(T{})) : value.reset();
       if (has) (*this)("value", *value);
     });
   }

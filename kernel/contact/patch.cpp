@@ -37,7 +37,7 @@ SUTURE_INLINE T inner(const Space<T>& a, const Space<T>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <class T>
-SUTURE_INLINE Space<T> cross(const Space<T>& a, const Space<T>& b) {
+SUTURE_INLINE Space<T> cross_of(const Space<T>& a, const Space<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
@@ -96,7 +96,7 @@ SUTURE_INLINE FootOf<T> foot_on(const std::array<Space<T>, 4>& corners, const Sp
     foot.offset = from_first - foot.r * a - foot.s * f;
     if (i < iterations) improve(foot.r, foot.s, a, b, foot.offset);
   }
-  const Space<T> normal = cross(a, b);
+  const Space<T> normal = cross_of(a, b);
   const T length = root(inner(normal, normal));
   const T factor = length > zero ? one / length : zero;
   foot.normal = {factor * normal.x, factor * normal.y, length > zero ? factor * normal.z : one};
@@ -148,7 +148,7 @@ SUTURE_INLINE void find_eight_planes(const double* positions,
     for (std::size_t i = 0; i < 4; ++i)
       load(at[i], l, positions + 4 * std::size_t{corners[l < count ? l : count - 1][i]});
   const Eight zero{}, one = zero + 1.0, quarter = zero + 0.25;
-  const Space<Eight> area = cross(at[2] - at[0], at[3] - at[1]);
+  const Space<Eight> area = cross_of(at[2] - at[0], at[3] - at[1]);
   const Eight length = root(inner(area, area));
   const Eight inverse = length > zero ? one / length : zero;
   const Space<Eight> normal = inverse * area;

@@ -12,24 +12,24 @@ namespace {
 
 using Row = PointSweeps::Row;
 
-SUTURE_INLINE RowLanes& lanes_of(Row& row) { return *reinterpret_cast<RowLanes*>(row.data()); }
-SUTURE_INLINE const RowLanes& lanes_of(const Row& row) {
+SUTURE_INLINE RowLanes& as_lanes(Row& row) { return *reinterpret_cast<RowLanes*>(row.data()); }
+SUTURE_INLINE const RowLanes& as_lanes(const Row& row) {
   return *reinterpret_cast<const RowLanes*>(row.data());
 }
 
 SUTURE_INLINE RowLanes sum_at(const PointSweeps::Contact& c, const PointSweeps::Vertex* vertices) {
   RowLanes sum{};
   for (std::uint32_t e = 0; e < c.count; ++e)
-    sum += c.weights[e] * lanes_of(vertices[c.vertices[e]].change);
+    sum += c.weights[e] * as_lanes(vertices[c.vertices[e]].change);
   return sum;
 }
 
 SUTURE_INLINE void add_at(const PointSweeps::Contact& c, const RowLanes& by,
                           PointSweeps::Vertex* vertices) {
-  const RowLanes impulse = lanes_of(c.mass) * by;
+  const RowLanes impulse = as_lanes(c.mass) * by;
   for (std::uint32_t e = 0; e < c.count; ++e) {
     PointSweeps::Vertex& vertex = vertices[c.vertices[e]];
-    lanes_of(vertex.change) += c.weights[e] * impulse * lanes_of(vertex.inverse_mass);
+    as_lanes(vertex.change) += c.weights[e] * impulse * as_lanes(vertex.inverse_mass);
   }
 }
 
@@ -39,14 +39,14 @@ void sweep_over(PointSweeps::Contact* contacts, const std::uint32_t* order, std:
   double largest = changes.largest, energy = changes.energy, all = changes.all;
   for (std::size_t i = 0; i < count; ++i) {
     PointSweeps::Contact& c = contacts[order[i]];
-    const RowLanes last = lanes_of(c.change), normal = lanes_of(c.normal);
+    const RowLanes last = as_lanes(c.change), normal = as_lanes(c.normal);
     const RowLanes others = sum_at(c, vertices) - last;
     const double pressed = c.lacking - dot(normal, others);
     RowLanes change{};
     c.pressed = 0;
     if (pressed > 0) {
       c.pressed = pressed;
-      const RowLanes relative = lanes_of(c.velocity) + others;
+      const RowLanes relative = as_lanes(c.velocity) + others;
       const RowLanes sliding = relative - dot(relative, normal) * normal;
       const double speed = std::sqrt(dot(sliding, sliding)), most = c.friction * pressed;
       c.sliding = speed;
@@ -56,7 +56,7 @@ void sweep_over(PointSweeps::Contact* contacts, const std::uint32_t* order, std:
     const RowLanes by = change - last;
     const double squared = dot(by, by);
     if (squared == 0) continue;
-    lanes_of(c.change) = change;
+    as_lanes(c.change) = change;
     largest = squared > largest ? squared : largest;
     energy += c.mass[0] * squared;
     add_at(c, by, vertices);
@@ -68,8 +68,8 @@ SUTURE_CLONES
 void sum_masses(PointSweeps::Contact& c, const PointSweeps::Vertex* vertices) {
   RowLanes inverse{};
   for (std::uint32_t e = 0; e < c.count; ++e)
-    inverse += c.weights[e] * c.weights[e] * lanes_of(vertices[c.vertices[e]].inverse_mass);
-  lanes_of(c.mass) = inverse;
+    inverse += c.weights[e] * c.weights[e] * as_lanes(vertices[c.vertices[e]].inverse_mass);
+  as_lanes(c.mass) = inverse;
 }
 
 }  // namespace
@@ -102,22 +102,22 @@ void PointSweeps::sweep(std::span<const std::uint32_t> order, Changes& changes) 
 }
 
 Vec3 PointSweeps::change_by_others(const Contact& contact) const {
-  return suture::vec_of(sum_at(contact, vertices.data()) - lanes_of(contact.change));
+  return suture::vec_of(sum_at(contact, vertices.data()) - as_lanes(contact.change));
 }
 
 void PointSweeps::set_change(Contact& contact, const Vec3& change, Changes& changes) {
-  const RowLanes now = lanes_of(change), by = now - lanes_of(contact.change);
+  const RowLanes now = lanes_of(change), by = now - as_lanes(contact.change);
   changes.all += contact.mass[0] * dot(now, now);
   const double squared = dot(by, by);
   if (squared == 0) return;
-  lanes_of(contact.change) = now;
+  as_lanes(contact.change) = now;
   changes.largest = std::max(changes.largest, squared);
   changes.energy += contact.mass[0] * squared;
   add_at(contact, by, vertices.data());
 }
 
 void PointSweeps::add_change(Contact& contact, const Vec3& change) {
-  lanes_of(contact.change) += lanes_of(change);
+  as_lanes(contact.change) += lanes_of(change);
   add_at(contact, lanes_of(change), vertices.data());
 }
 
@@ -137,9 +137,9 @@ void PointSweeps::keep(std::span<const std::uint32_t> order, std::span<const Ind
 void PointSweeps::go_on(double factor, std::span<const std::uint32_t> order,
                         std::span<const Index> of_vertices) {
   const auto move = [factor](Direction& of, Row& change) {
-    const RowLanes more = factor * lanes_of(of.direction);
-    lanes_of(of.direction) = more + (lanes_of(change) - lanes_of(of.before));
-    lanes_of(change) += more;
+    const RowLanes more = factor * as_lanes(of.direction);
+    as_lanes(of.direction) = more + (as_lanes(change) - as_lanes(of.before));
+    as_lanes(change) += more;
   };
   for (const std::uint32_t i : order) move(of_contacts_[i], contacts[i].change);
   for (const Index v : of_vertices) move(of_vertices_[v], vertices[v].change);

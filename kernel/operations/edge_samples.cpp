@@ -106,8 +106,8 @@ std::optional<std::vector<EdgeSamples::Between>> EdgeSamples::cover(const std::v
   samples_.insert(samples_.end(), wanted.begin(), wanted.end());
   const auto place = [&](const Sample& s) { return position(s); };
   std::ranges::sort(samples_, {}, place);
-  const auto rest = std::ranges::unique(samples_, {}, place);
-  samples_.erase(rest.begin(), rest.end());
+  const auto same = [&](const Sample& a, const Sample& b) { return place(a) == place(b); };
+  samples_.erase(std::unique(samples_.begin(), samples_.end(), same), samples_.end());
   std::vector<Between> lie;
   for (const Sample& sample : samples_) {
     const auto next = std::ranges::upper_bound(old, position(sample), {}, place);

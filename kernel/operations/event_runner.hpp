@@ -51,6 +51,8 @@ struct EventOutcome {
            0;
   }
   EventOutcome& operator+=(const EventOutcome& other);
+  /// Archives all that operator+= adds up.
+  void state(Archive& archive);
   /// "cut 25 faces"; "" if nothing was changed.
   std::string text() const;
 };

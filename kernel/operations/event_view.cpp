@@ -25,6 +25,18 @@ EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
   return *this;
 }
 
+void EventOutcome::state(Archive& archive) {
+  archive("faces cut", faces_cut);
+  archive("faces torn", faces_torn);
+  archive("faces sewn", faces_sewn);
+  archive("elements removed", elements_removed);
+  archive("elements cut", elements_cut);
+  archive("elements sewn", elements_sewn);
+  archive("nodes held", nodes_held);
+  archive("nodes released", nodes_released);
+  archive("debris", debris);
+}
+
 std::string EventOutcome::text() const {
   std::string text;
   const auto add = [&](const char* verb, Index n, const char* what) {

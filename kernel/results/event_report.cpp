@@ -50,13 +50,8 @@ void EventReport::flush(Gathered& gathered, std::vector<std::string>& lines) con
 
 void EventReport::state(Archive& archive) {
   std::span gathered = gathered_;
-  std::size_t event = 0;
-  archive.each("gathered", gathered, [&](Archive& each, Gathered& g) {
-    each("faces cut", g.outcome.faces_cut);
-    each("faces torn", g.outcome.faces_torn);
-    each("faces sewn", g.outcome.faces_sewn);
-    each("elements removed", g.outcome.elements_removed);
-    if (events_[event++].is_along_blade()) each("elements cut", g.outcome.elements_cut);
+  archive.each("gathered", gathered, [](Archive& each, Gathered& g) {
+    each("outcome", g.outcome);
     each("first", g.first);
     each("last", g.last);
     each("steps", g.steps);

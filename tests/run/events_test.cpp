@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "kernel/base/archive.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/results/event_report.hpp"
 #include "tests/run/beam.hpp"
@@ -134,6 +135,31 @@ TEST(EventReport, GathersTheStepsOfAnEventThatRepeats) {
   EXPECT_EQ(report.add(0, torn, 1.5, 2), Lines{});
   EXPECT_EQ(report.finish(), Lines{"t = 1.5 s: tore 2 faces, 2 islands"});
   EXPECT_EQ(report.finish(), Lines{});
+}
+
+// A line that begins before a checkpoint and ends after it counts every effect once.
+TEST(EventReport, GathersAcrossACheckpoint) {
+  const std::vector<Event> events{tear_of(0.3, 1)};
+  EventOutcome outcome;
+  outcome.faces_cut = 1;
+  outcome.faces_torn = 2;
+  outcome.faces_sewn = 3;
+  outcome.elements_removed = 4;
+  outcome.elements_cut = 5;
+  outcome.elements_sewn = 6;
+  outcome.nodes_held = 7;
+  outcome.nodes_released = 8;
+  outcome.debris = {9, 10, 1e-6, 0.001, {1, 2, 3}, 11};
+  EventReport whole(events), stopped(events), resumed(events);
+  for (EventReport* report : {&whole, &stopped}) {
+    report->add(0, outcome, 0.25, 1);
+    report->add(0, outcome, 0.5, 1);
+  }
+  StateTree tree;
+  save_state(tree, stopped);
+  load_state(tree, resumed);
+  for (EventReport* report : {&whole, &resumed}) report->add(0, outcome, 0.75, 1);
+  EXPECT_EQ(resumed.finish(), whole.finish());
 }
 
 // By the model's own value on elements, and on edges.

@@ -12,6 +12,10 @@ namespace {
 
 using Row = PointSweeps::Row;
 
+// Of the sum of the squares of the weights of a point. If less is on vertices that are free, these
+// would have to move by 30 times the way of the point: the point counts as held.
+constexpr double least_free = 1e-3;
+
 SUTURE_INLINE RowLanes& as_lanes(Row& row) { return *reinterpret_cast<RowLanes*>(row.data()); }
 SUTURE_INLINE const RowLanes& as_lanes(const Row& row) {
   return *reinterpret_cast<const RowLanes*>(row.data());
@@ -87,11 +91,20 @@ void PointSweeps::add(const ContactPoint& point, const double* masses) {
   added.weights = point.weights.data();
   added.count = static_cast<std::uint32_t>(point.vertices.size());
   sum_masses(added, vertices.data());
+  double if_free = 0, all = 0;  // sum w^2 / m, sum w^2
+  Vec3 free{};                  // sum w^2 over vertices that are free, by component
+  for (std::uint32_t e = 0; e < added.count; ++e) {
+    const double squared = added.weights[e] * added.weights[e];
+    const Vertex& vertex = vertices[added.vertices[e]];
+    if_free += squared / masses[added.vertices[e]];
+    all += squared;
+    for (unsigned c = 0; c < 3; ++c)
+      if (vertex.inverse_mass[c] > 0) free[c] += squared;
+  }
   for (unsigned c = 0; c < 3; ++c) {
-    if (added.mass[c] == 0) {
+    if (free[c] <= least_free * all) {
       added.fixed = static_cast<std::uint8_t>(added.fixed | 1u << c);
-      for (std::uint32_t e = 0; e < added.count; ++e)
-        added.mass[c] += added.weights[e] * added.weights[e] / masses[added.vertices[e]];
+      added.mass[c] = if_free;
     }
     added.mass[c] = 1 / added.mass[c];
   }

@@ -38,7 +38,7 @@ class PointSweeps {
     const Index* vertices = nullptr;
     const double* weights = nullptr;
     std::uint32_t count = 0;  ///< of these
-    std::uint8_t fixed = 0;   ///< bits of components in which no vertex is free
+    std::uint8_t fixed = 0;   ///< bits of components in which hardly anything is free
     bool is_plane = false;
   };
   /// What a sweep has changed: the largest squared, m^2/s^2; the norm by the energy, and that of

@@ -47,21 +47,9 @@ struct TmFaure : suture::continuum<TmFaure> {
   static int points(const suture::values& p) { return p[quadrature] == 1 ? 3 : 2; }
   static bool stores(const suture::values& p) { return p[geometry] == 0; }
 
-  /// W = lambda/2 (tr E)^2 + mu tr(E^2)
-  template <class T, class C>
-  static T energy(const suture::mat3<T>& F, const C& c) {
-    const auto strain = green_strain(F);
-    return 0.5 * c.lambda * trace(strain) * trace(strain) + c.mu * dot(strain, strain);
-  }
-
-  /// P = F S, S = lambda tr(E) I + 2 mu E
-  template <class T, class C>
-  static suture::mat3<T> stress(const suture::mat3<T>& F, const C& c) {
-    const auto strain2 = twice_green_strain(F);  // 2 E
-    return F * add_diagonal(c.mu * strain2, (0.5 * c.lambda) * trace(strain2));
-  }
+  /// The law of `formula`, in suture/saint_venant_kirchhoff.hpp.
   template <class R>
-  static suture::lame_of<R> isotropic(const suture::lame_of<R>& c) {
+  static suture::lame_of<R> saint_venant_kirchhoff(const suture::lame_of<R>& c) {
     return c;
   }
 };

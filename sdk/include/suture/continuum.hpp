@@ -33,13 +33,15 @@
 // A law consists of one or both of these static function templates of the model:
 //   energy(F, p) -> T        energy density W per rest volume, J/m^3
 //   stress(F, p) -> mat3<T>  first Piola-Kirchhoff stress P = dW/dF, Pa
+// or, in place of both, if S = lambda tr(E) I + 2 mu E (saint_venant_kirchhoff.hpp):
+//   saint_venant_kirchhoff(p) -> lame    the constants; boxes then need a tenth fewer operations
 // Without stress(), P is the gradient of energy() in one reverse pass (reverse.hpp), which costs
 // what stress() would if energy() is declared SUTURE_INLINE, and up to nine times as much if
 // not; without energy(), no energies are offered. `p` is the model's Constants if
 // it declares them, else its parameters by index. Of parameters that may differ from
 // element to element (per_element(), direction()), a law receives those of its element:
-// p[i], p.direction(i), or `template <class R> struct Constants`; density() and isotropic()
-// are then templates, too.
+// p[i], p.direction(i), or `template <class R> struct Constants`; density() and
+// saint_venant_kirchhoff() are then templates, too.
 //
 // A law with a memory has a state at each Gauss point:
 //   template <class T> struct State        an aggregate of numbers T, such as sym3<T> and T
@@ -73,14 +75,12 @@
 //                                mean_gradient); element_of(p) is that of the scene
 //   static constexpr bool survives_inversion
 //                                true if energy and stress are finite at det F = 0 (default:
-//                                true with isotropic(), otherwise false). The hourglass energy
-//                                is then finite there, too
+//                                true with saint_venant_kirchhoff(), otherwise false). The
+//                                hourglass energy is then finite there, too
 //   static constexpr bool samples_bending
 //                                whether mean-gradient elements evaluate the law where bending
 //                                strains it, six times per element (default: true for laws with
 //                                states, fields, directions or `at`)
-//   static lame isotropic(p)     if its law is S = lambda tr(E) I + 2 mu E: boxes then need a
-//                                tenth fewer operations (isotropic_box_force)
 //   static int points(values)    Gauss points per axis, 2 (default) or 3
 //   static bool stores(values)   false: the geometry of elements other than parallelepipeds
 //                                is computed again at each evaluation (default: stored if
@@ -216,9 +216,9 @@ struct continuum_functor : law_functor<M, Shape, 8> {
     using T = typename Cell::scalar;
     vec3<T> x[8], f[8];
     continuum_functor::positions(c, x);
-    if constexpr (is_isotropic<M> && is_box<Geometry>) {
-      const auto constants = M::isotropic(material<M>(c));
-      isotropic_box_force<Q>(x, g, T(constants.lambda), T(constants.mu), f);
+    if constexpr (is_saint_venant_kirchhoff<M> && is_box<Geometry>) {
+      const auto constants = M::saint_venant_kirchhoff(material<M>(c));
+      saint_venant_kirchhoff_box_force<Q>(x, g, T(constants.lambda), T(constants.mu), f);
     } else {
       internal_force<Q, unrolled<Q, false>>(
           x, g,
@@ -240,9 +240,9 @@ struct continuum_functor : law_functor<M, Shape, 8> {
       x[i / 3][i % 3] = moving[i / 3][i % 3].value;
       dx[i / 3][i % 3] = moving[i / 3][i % 3].derivative;
     }
-    if constexpr (is_isotropic<M> && is_box<Geometry>) {
-      const auto constants = M::isotropic(material<M>(c));
-      isotropic_box_tangent<Q>(x, dx, g, R(constants.lambda), R(constants.mu), df);
+    if constexpr (is_saint_venant_kirchhoff<M> && is_box<Geometry>) {
+      const auto constants = M::saint_venant_kirchhoff(material<M>(c));
+      saint_venant_kirchhoff_box_tangent<Q>(x, dx, g, R(constants.lambda), R(constants.mu), df);
     } else {
       internal_tangent<Q, unrolled<Q, true>>(
           x, dx, g,

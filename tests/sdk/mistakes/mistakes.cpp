@@ -3,7 +3,8 @@
 // A correct model, and common mistakes of authors: one per macro. CTest compiles the file once
 // per macro and looks for the message that the compiler must print (CMakeLists.txt).
 #if defined(MISTAKE_ENERGY_OF_LAW) || defined(MISTAKE_ELEMENT_PARAMETER) || \
-    defined(MISTAKE_NO_EVOLVE) || defined(MISTAKE_COMPONENTS_OF_STATE) || defined(MISTAKE_BRANCH)
+    defined(MISTAKE_NO_EVOLVE) || defined(MISTAKE_COMPONENTS_OF_STATE) || defined(MISTAKE_BRANCH) || \
+    defined(MISTAKE_LAW_STATED_TWICE) || defined(MISTAKE_ISOTROPIC)
 #define MISTAKE_IN_LAW
 #endif
 
@@ -166,6 +167,16 @@ struct Solid : suture::continuum<Solid> {
   static T energy(const suture::mat3<T>& F, const P&) {
     if (det(F) < 1.0) return 0.5 * dot(F, F);
     return dot(F, F);
+  }
+#elif defined(MISTAKE_LAW_STATED_TWICE)
+  template <class P>
+  static suture::lame saint_venant_kirchhoff(const P&) {
+    return {1, 1};
+  }
+#elif defined(MISTAKE_ISOTROPIC)
+  template <class P>
+  static suture::lame isotropic(const P&) {
+    return {1, 1};
   }
 #elif defined(MISTAKE_ELEMENT_PARAMETER)
   static constexpr suture::parameter parameters[] = {suture::integer("element", "which one")};

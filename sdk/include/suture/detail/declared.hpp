@@ -63,7 +63,8 @@ inline constexpr bool is_rate_of<F, Place, std::enable_if_t<F::rate_of.place == 
 // names_energy<F> is true if F has any member called energy. Looking up the name in a struct that
 // inherits one from each of two bases is ambiguous, whatever its signature.
 struct optional_functions {
-  int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, points, stores, evolve,
+  int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, saint_venant_kirchhoff,
+      points, stores, evolve,
       release, field_energy, dissipation;
 };
 struct nothing {};
@@ -90,6 +91,7 @@ SUTURE_DETAIL_NAMES(enabled)
 SUTURE_DETAIL_NAMES(prepare)
 SUTURE_DETAIL_NAMES(stress)
 SUTURE_DETAIL_NAMES(isotropic)
+SUTURE_DETAIL_NAMES(saint_venant_kirchhoff)
 SUTURE_DETAIL_NAMES(points)
 SUTURE_DETAIL_NAMES(stores)
 SUTURE_DETAIL_NAMES(evolve)

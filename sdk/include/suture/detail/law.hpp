@@ -6,10 +6,10 @@
 #define SUTURE_DETAIL_LAW_HPP
 
 #include "suture/detail/state.hpp"
-#include "suture/hexahedron_tangent.hpp"
 #include "suture/lame.hpp"
 #include "suture/mean_gradient.hpp"
 #include "suture/reverse.hpp"
+#include "suture/saint_venant_kirchhoff.hpp"
 
 namespace suture {
 
@@ -48,10 +48,29 @@ SUTURE_INLINE decltype(auto) material(const Cell& c) {
       name<M, std::void_t<decltype(M::function(std::declval<const mat3<native>&>(),                \
                                                std::declval<const material_of<M>&>(),              \
                                                std::declval<instant_of<M, native>&>()))>> = true;
-SUTURE_DETAIL_LAW(stress, has_stress)
-SUTURE_DETAIL_LAW(energy, has_energy_density)
+SUTURE_DETAIL_LAW(stress, declares_stress)
+SUTURE_DETAIL_LAW(energy, declares_energy_density)
 SUTURE_DETAIL_LAW(evolve, has_evolve)
 #undef SUTURE_DETAIL_LAW
+
+/// Whether the law declares its Lame constants instead of stress() and energy().
+template <class M, class = void>
+inline constexpr bool is_saint_venant_kirchhoff = false;
+template <class M>
+inline constexpr bool is_saint_venant_kirchhoff<
+    M, std::void_t<decltype(M::saint_venant_kirchhoff(std::declval<const material_of<M>&>()))>> =
+    true;
+template <class M>
+inline constexpr bool has_stress_alone = declares_stress_alone<M> || is_saint_venant_kirchhoff<M>;
+template <class M>
+inline constexpr bool has_stress = declares_stress<M> || is_saint_venant_kirchhoff<M>;
+template <class M>
+inline constexpr bool has_energy_density_alone =
+    declares_energy_density_alone<M> || is_saint_venant_kirchhoff<M>;
+template <class M>
+inline constexpr bool has_energy_density =
+    declares_energy_density<M> || is_saint_venant_kirchhoff<M>;
+
 template <class M, class = void>
 inline constexpr bool has_release = false;
 template <class M>
@@ -92,13 +111,6 @@ bool stores_geometry(const values& p) {
   if constexpr (has_stores<M>) return M::stores(p);
   return true;
 }
-
-template <class M, class = void>
-inline constexpr bool is_isotropic = false;
-template <class M>
-inline constexpr bool
-    is_isotropic<M, std::void_t<decltype(M::isotropic(std::declval<const material_of<M>&>()))>> =
-        true;
 
 /// Whether a parameter of the law is a direction.
 template <class M>
@@ -163,7 +175,7 @@ constexpr bool survives_inversion() {
   if constexpr (has_survives_inversion<M>)
     return M::survives_inversion;
   else
-    return is_isotropic<M>;
+    return is_saint_venant_kirchhoff<M>;
 }
 template <class M>
 constexpr hourglass_form hourglass_form_of() {
@@ -179,7 +191,9 @@ struct law_energy {
   const At& at;
   template <class T>
   SUTURE_INLINE T operator()(const mat3<T>& F) const {
-    if constexpr (has_energy_density_alone<M>)
+    if constexpr (is_saint_venant_kirchhoff<M>)
+      return saint_venant_kirchhoff_energy(F, M::saint_venant_kirchhoff(p));
+    else if constexpr (has_energy_density_alone<M>)
       return M::energy(F, p);
     else
       return M::energy(F, p, at);
@@ -206,11 +220,13 @@ SUTURE_INLINE mat3<T> stress_of_energy(const mat3<T>& F, const Material& p, cons
 template <class M>
 inline constexpr bool is_called = !has_stress<M> || has_state<M>;
 
-/// P of the law: from stress(), or else dW/dF.
+/// P of the law: from its Lame constants, from stress(), or else dW/dF.
 template <class M, class T, class Material, class At>
 SUTURE_INLINE mat3<T> law_stress(const mat3<T>& F, const Material& p,
                                  [[maybe_unused]] const At& at) {
-  if constexpr (has_stress_alone<M>)
+  if constexpr (is_saint_venant_kirchhoff<M>)
+    return saint_venant_kirchhoff_stress(F, M::saint_venant_kirchhoff(p));
+  else if constexpr (has_stress_alone<M>)
     return M::stress(F, p);
   else if constexpr (has_stress<M>)
     return M::stress(F, p, at);
@@ -271,9 +287,9 @@ SUTURE_INLINE mat3<T> stress_at(const Cell& c, const mat3<T>& F, int point) {
 template <class M, int Points, class Cell, class T>
 SUTURE_INLINE mat3<T> stress_tangent_at(const Cell& c, const mat3<T>& F, const mat3<T>& dF,
                                         int point) {
-  if constexpr (is_isotropic<M>) {
-    const auto constants = M::isotropic(material<M>(c));
-    return isotropic_tangent(F, dF, T(constants.lambda), T(constants.mu));
+  if constexpr (is_saint_venant_kirchhoff<M>) {
+    const auto constants = M::saint_venant_kirchhoff(material<M>(c));
+    return saint_venant_kirchhoff_tangent(F, dF, T(constants.lambda), T(constants.mu));
   } else {
     mat3<dual<T>> G;
     for (int i = 0; i < 9; ++i) G(i / 3, i % 3) = {F(i / 3, i % 3), dF(i / 3, i % 3)};
@@ -306,9 +322,15 @@ constexpr bool check_law() {
                 "dissipation() of this law is never called: declare it as `template <class P, "
                 "class At> static auto dissipation(const P& p, const At& at)` beside energy() and "
                 "release(), without field_energy()");
-  static_assert(!names_isotropic<M> || is_isotropic<M>,
-                "isotropic() of this law is never called: declare it as `template <class P> static "
-                "suture::lame isotropic(const P& p)`");
+  static_assert(!names_saint_venant_kirchhoff<M> || is_saint_venant_kirchhoff<M>,
+                "saint_venant_kirchhoff() of this law is never called: declare it as `template "
+                "<class P> static suture::lame saint_venant_kirchhoff(const P& p)`");
+  static_assert(!is_saint_venant_kirchhoff<M> || (!names_stress<M> && !names_energy<M>),
+                "saint_venant_kirchhoff() states the whole law, so stress() and energy() beside it "
+                "would never be called: leave them out, or leave saint_venant_kirchhoff() out");
+  static_assert(!names_isotropic<M>,
+                "isotropic() is called saint_venant_kirchhoff() since 0.2, and replaces stress() "
+                "and energy(): rename it and leave those out");
   static_assert((!names_points<M> || has_points<M>)&&(!names_stores<M> || has_stores<M>),
                 "points() or stores() of this law is never called: declare them as `static int "
                 "points(const suture::values&)`, `static bool stores(const suture::values&)`");
@@ -324,8 +346,9 @@ constexpr bool check_law() {
       "`states` of this law must have as many components in all as State<T> has numbers");
   static_assert((!has_state<M> && !has_vertex_fields<M>) || !has_points<M>,
                 "a law with a state or fields has 2 Gauss points per axis: leave out points()");
-  static_assert(!has_vertex_fields<M> || !is_isotropic<M>,
-                "isotropic() of a law does not read fields: leave it out, or vertex_fields");
+  static_assert(!has_vertex_fields<M> || !is_saint_venant_kirchhoff<M>,
+                "saint_venant_kirchhoff() of a law does not read fields: leave it out, or "
+                "vertex_fields");
   static_assert(
       !declares_parameter<M>("element"),
       "every continuum model has the parameter \"element\" already, which chooses between "
@@ -381,8 +404,8 @@ struct lame_near_rest {
 /// rounding would choose a tangent; so it would along a path on which the switch has no sign.
 template <class M, class R, class Material>
 lame_near_rest<R> lame_at_rest(const Material& p) {
-  if constexpr (is_isotropic<M>) {
-    const auto constants = M::isotropic(p);
+  if constexpr (is_saint_venant_kirchhoff<M>) {
+    const auto constants = M::saint_venant_kirchhoff(p);
     return {{R(constants.lambda), R(constants.mu)}, R(0.0)};
   } else {
     lame_of<R> at[rest_samples], mean{R(0.0), R(0.0)};

@@ -142,6 +142,19 @@ weight() {
     END { exit is_bad }'
 }
 
+# Each function that a trail of the overview names stands in the file beside it.
+trails() {
+  local bad=0 count=0 name file line page=docs/overview.md
+  while IFS= read -r line; do
+    name=$(sed -E 's/^- `([^`]+)` in `([^`]+)`.*/\1/' <<<"$line")
+    file=$(sed -E 's/^- `([^`]+)` in `([^`]+)`.*/\2/' <<<"$line")
+    count=$((count + 1))
+    grep -qE "(^|[^A-Za-z_])$name\>" "$file" 2>/dev/null || { echo "$page: $file has no $name"; bad=1; }
+  done < <(grep -E '^- `[^`]+` in `[^`]+`' "$page")
+  [ "$count" -ge 10 ] || { echo "$page:1: the trails are missing: lines '- \`FUNCTION\` in \`FILE\` ...'"; bad=1; }
+  return $bad
+}
+
 # Each relative link of the documentation leads to a file.
 links() {
   local bad=0 file target
@@ -179,7 +192,7 @@ top_level() {
 }
 
 case $check in
-  machine_paths | unfinished | pipes | include_direction | licences | class_names | headers | sizes | weight | links | decisions | format | top_level)
+  machine_paths | unfinished | pipes | include_direction | licences | class_names | headers | sizes | weight | links | trails | decisions | format | top_level)
     "$check" && echo "$check: good" ;;
   *) echo "check.sh: no check '$check'"; exit 2 ;;
 esac

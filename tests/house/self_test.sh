@@ -18,6 +18,7 @@ fresh() {
   printf '[a](../sdk/a.h) [b](https://example.org)\n' >"$tree/docs/a.md"
   printf '[1](001-a.md)\n' >"$tree/docs/decisions/README.md"
   printf '# 001 A\n' >"$tree/docs/decisions/001-a.md"
+  for _ in {1..10}; do echo '- `A` in `kernel/mesh/a.hpp`'; done >"$tree/docs/overview.md"
   touch "$tree/CMakeLists.txt" "$tree/README.md"
 }
 
@@ -56,6 +57,7 @@ must_report sizes CMakeLists.txt "$(seq 130)"
 must_report weight docs/big.dat "$(seq 200000)"
 must_report decisions docs/decisions/003-new.md '# 003 New'
 must_report links docs/a.md '[c](missing.md)'
+must_report trails docs/overview.md '- `B` in `kernel/mesh/a.hpp` calls it'
 must_report top_level src/a.txt 'x'
 if command -v clang-format >/dev/null; then
   must_report format kernel/mesh/a.hpp 'int   a  ;'

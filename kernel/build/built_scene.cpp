@@ -20,6 +20,7 @@
 #include "kernel/build/check_obstacles.hpp"
 #include "kernel/build/check_parts.hpp"
 #include "kernel/build/check_selections.hpp"
+#include "kernel/build/initial_motion.hpp"
 #include "kernel/build/model_regions.hpp"
 #include "kernel/contact/contact.hpp"
 #include "kernel/contact/multiplier_forces.hpp"
@@ -188,6 +189,8 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
   dynamics_ = std::make_unique<Dynamics>(body_, options);
   limits_ = std::make_unique<StepLimits>(body_);
   add_constraints();
+  for (const InitialMotion& motion : scene_.initial_motion)
+    add_initial_motion(motion, selector_.vertices(motion.where), body_.attributes());
   add_terms();
   add_fields(scene_, selector_, body_, [&](Index v) { return node_text(v); });
   add_contact(diagnostics);

@@ -15,6 +15,7 @@ class SelectionCheck {
   void check(const Scene& scene) {
     check_models(scene.models);
     for (const Constraint& constraint : scene.constraints) vertices(constraint.where);
+    for (const InitialMotion& motion : scene.initial_motion) vertices(motion.where);
     for (const Load& load : scene.loads) {
       if (load.kind == Load::Kind::force)
         vertices(load.where);

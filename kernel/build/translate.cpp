@@ -100,6 +100,10 @@ struct Translation {
     if (constraint.angle != 0 || constraint.path.turns())
       (*this)(constraint.centre);  // else far away for nothing
   }
+  void operator()(InitialMotion& motion) const {
+    (*this)(motion.where);
+    (*this)(motion.centre);
+  }
   void operator()(Grasp& grasp) const { (*this)(grasp.held); }
   void operator()(Release&) const {}
   void operator()(Condition& condition) const {
@@ -134,6 +138,7 @@ struct Translation {
     (*this)(scene.mesh);
     for (ModelUse& use : scene.models) (*this)(use);
     for (Constraint& constraint : scene.constraints) (*this)(constraint);
+    for (InitialMotion& motion : scene.initial_motion) (*this)(motion);
     for (Load& load : scene.loads) (*this)(load.where);
     for (FieldCondition& condition : scene.fields) (*this)(condition.where);
     for (Obstacle& obstacle : scene.contact.obstacles) (*this)(obstacle);

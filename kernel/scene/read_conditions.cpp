@@ -114,6 +114,23 @@ void read_constraints(ObjectReader& top, Reading& reading) {
                   [&](ObjectReader& object) { read_constraint(object, reading); });
 }
 
+void read_initial_motion(ObjectReader& top, Reading& reading) {
+  for_each_object(top, "initial_motion", "initial motions", [&](ObjectReader& object) {
+    InitialMotion motion;
+    const auto velocity = object.vector("velocity", Limits::any("m/s"));
+    const auto spin = object.vector("spin", Limits::any("rad/s"));
+    motion.velocity = velocity.value_or(Vec3{});
+    motion.spin = spin.value_or(Vec3{});
+    motion.centre = object.vector("centre", Limits::any("m"));
+    if (object.find("velocity") == nullptr && object.find("spin") == nullptr)
+      object.complain("needs 'velocity', [x, y, z] in m/s, or 'spin', [x, y, z] in rad/s");
+    if (motion.centre && object.find("spin") == nullptr)
+      object.complain("centre", "is that of a 'spin', which is missing");
+    motion.where = require_where(object, "the moving nodes");
+    reading.scene.initial_motion.push_back(std::move(motion));
+  });
+}
+
 void read_loads(ObjectReader& top, Reading& reading) {
   for_each_object(top, "loads", "loads", [&](ObjectReader& object) { read_load(object, reading); });
 }

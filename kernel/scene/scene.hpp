@@ -23,6 +23,7 @@
 #include "kernel/scene/constraint.hpp"
 #include "kernel/scene/event.hpp"
 #include "kernel/scene/field_condition.hpp"
+#include "kernel/scene/initial_motion.hpp"
 #include "kernel/scene/scene_places.hpp"
 #include "kernel/scene/selection.hpp"
 #include "kernel/topology/import.hpp"
@@ -196,6 +197,7 @@ struct Scene {
   Vec3 gravity{};  ///< m/s^2
   TimeRamp gravity_ramp;
   std::vector<Constraint> constraints;
+  std::vector<InitialMotion> initial_motion;
   std::vector<Load> loads;
   std::vector<FieldCondition> fields;
   ContactOptions contact;

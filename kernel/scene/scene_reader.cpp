@@ -58,9 +58,14 @@ void read_top(const JsonValue& root, Reading& reading) {
   read_models(top, reading);
   read_gravity(top, reading);
   read_constraints(top, reading);
+  read_initial_motion(top, reading);
   read_loads(top, reading);
   const JsonValue* solver = top.require("solver", "how to run, and for how long");
   if (solver != nullptr) read_solver(*solver, reading);
+  if (!reading.scene.initial_motion.empty() && reading.scene.solver.integrator == "static")
+    top.complain("initial_motion",
+                 "an equilibrium has no velocity: remove it, or replace /solver/static by an "
+                 "integrator");
   read_field_conditions(top, reading);
   read_contact(top, reading);
   reading.scene.is_divisible = top.boolean("divisible").value_or(false);

@@ -125,6 +125,13 @@ TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
       {"/models/0/parameters/rho=0", 3, "> 0 kg/m^3"},
       {"/constraints=[{\"fix\": \"xyz\", \"where\": {\"ids\": [99]}}]", 3, "99"},
       {"/constraints=[{\"fix\": \"xyz\", \"where\": {\"set\": \"x2\"}}]", 3, "x2"},
+      {R"(/initial_motion=[{"where": "all"}])", 3, "needs 'velocity'"},
+      {R"(/initial_motion=[{"where": "all", "velocity": [1, 0]}])", 3,
+       "/initial_motion/0/velocity"},
+      {R"(/initial_motion=[{"where": "all", "velocity": [1, 0, 0], "centre": [0, 0, 0]}])", 3,
+       "that of a 'spin'"},
+      {R"(/initial_motion=[{"where": {"set": "x2"}, "spin": [1, 0, 0]}])", 3, "x2"},
+      {R"(/initial_motion=[{"where": "all", "speed": [1, 0, 0]}])", 3, "speed"},
       {"/constraints=[{\"fix\": \"xyz\", \"where\": {\"sphere\": {\"centre\": [9, 9, 9], "
        "\"radius\": 1}}}]",
        3, "/constraints/0/where"},

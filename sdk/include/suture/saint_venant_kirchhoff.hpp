@@ -43,8 +43,8 @@ SUTURE_INLINE sym3<T> twice_green_strain_tangent(const mat3<T>& F, const mat3<T>
 
 /// dP = dF S + F dS of S = lambda tr(E) I + 2 mu E.
 template <class T, class R>
-SUTURE_INLINE mat3<T> saint_venant_kirchhoff_tangent(const mat3<T>& F, const mat3<T>& dF, const R& lambda,
-                                        const R& mu) {
+SUTURE_INLINE mat3<T> saint_venant_kirchhoff_tangent(const mat3<T>& F, const mat3<T>& dF,
+                                                     const R& lambda, const R& mu) {
   const auto stress = [&](const sym3<T>& strain2) SUTURE_DETAIL_INLINED {
     return add_diagonal(mu * strain2, (0.5 * lambda) * trace(strain2));
   };
@@ -65,7 +65,8 @@ struct saint_venant_kirchhoff_box {
   vec3<R> weight, mu_weight;  ///< V D_a^2, mu V D_a^2, with the common weight of the points
   R xy, yz, xz, half_lambda;
 
-  SUTURE_INLINE saint_venant_kirchhoff_box(const box_geometry<R, Q>& box, const R& lambda, const R& mu)
+  SUTURE_INLINE saint_venant_kirchhoff_box(const box_geometry<R, Q>& box, const R& lambda,
+                                           const R& mu)
       : half_lambda(0.5 * lambda) {
     const vec3<R>& D = box.inverse_length;
     square = {D[0] * D[0], D[1] * D[1], D[2] * D[2]};
@@ -112,8 +113,8 @@ struct saint_venant_kirchhoff_box {
 
 /// Nodal forces, N; `box` may be a part of one.
 template <int Q, class T, class R, class Box>
-SUTURE_INLINE void saint_venant_kirchhoff_box_force(const vec3<T> (&x)[8], const Box& box, const R& lambda,
-                                       const R& mu, vec3<T> (&f)[8]) {
+SUTURE_INLINE void saint_venant_kirchhoff_box_force(const vec3<T> (&x)[8], const Box& box,
+                                                    const R& lambda, const R& mu, vec3<T> (&f)[8]) {
   axis_values<T, Q> g = gradients<Q>(x);
   box.shift(g);
   const saint_venant_kirchhoff_box<R, Q> constants(box, lambda, mu);
@@ -129,8 +130,8 @@ SUTURE_INLINE void saint_venant_kirchhoff_box_force(const vec3<T> (&x)[8], const
 /// df of saint_venant_kirchhoff_box_force() for the direction dx: ds = dG M + G dM.
 template <int Q, class T, class R, class Box>
 SUTURE_INLINE void saint_venant_kirchhoff_box_tangent(const vec3<T> (&x)[8], const vec3<T> (&dx)[8],
-                                         const Box& box, const R& lambda, const R& mu,
-                                         vec3<T> (&df)[8]) {
+                                                      const Box& box, const R& lambda, const R& mu,
+                                                      vec3<T> (&df)[8]) {
   axis_values<T, Q> g = gradients<Q>(x), dg = gradients<Q>(dx);
   box.shift(g);
   box.shift(dg);

@@ -3,8 +3,8 @@
 // A correct model, and common mistakes of authors: one per macro. CTest compiles the file once
 // per macro and looks for the message that the compiler must print (CMakeLists.txt).
 #if defined(MISTAKE_ENERGY_OF_LAW) || defined(MISTAKE_ELEMENT_PARAMETER) || \
-    defined(MISTAKE_NO_EVOLVE) || defined(MISTAKE_COMPONENTS_OF_STATE) || defined(MISTAKE_BRANCH) || \
-    defined(MISTAKE_LAW_STATED_TWICE) || defined(MISTAKE_ISOTROPIC)
+    defined(MISTAKE_NO_EVOLVE) || defined(MISTAKE_COMPONENTS_OF_STATE) ||   \
+    defined(MISTAKE_BRANCH) || defined(MISTAKE_LAW_STATED_TWICE) || defined(MISTAKE_ISOTROPIC)
 #define MISTAKE_IN_LAW
 #endif
 

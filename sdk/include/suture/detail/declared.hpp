@@ -64,8 +64,7 @@ inline constexpr bool is_rate_of<F, Place, std::enable_if_t<F::rate_of.place == 
 // inherits one from each of two bases is ambiguous, whatever its signature.
 struct optional_functions {
   int energy, bounds, output, inspect, enabled, prepare, stress, isotropic, saint_venant_kirchhoff,
-      points, stores, evolve,
-      release, field_energy, dissipation;
+      points, stores, evolve, release, field_energy, dissipation;
 };
 struct nothing {};
 template <class F>  // a final struct cannot be derived from and is not examined

@@ -146,7 +146,7 @@ void Constraints::apply(Attributes& attributes, double time, Index begin, Index 
       for (std::size_t c = 0; c < 3; ++c) {
         if (!(group.components >> c & 1)) continue;
         position[at + c] = x[c];
-        velocity[at + c] = v[c];
+        velocity[at + c] = gives_velocity_ ? v[c] : 0;
       }
     }
   }

@@ -83,6 +83,9 @@ class Constraints {
   /// Marks what is held in the column `fixed`, which is not part of a checkpoint.
   void mark(Attributes& attributes) const;
 
+  /// False for schemes that find equilibria: prescribed motions have a place at each time and no
+  /// velocity, so no force that reads velocities feels how fast time passes.
+  void give_velocity(bool gives) { gives_velocity_ = gives; }
   /// Sets position and velocity (its derivative) of all constrained components at `time`, for
   /// vertices begin .. end-1. O(constrained vertices among them + groups log vertices).
   void apply(Attributes& attributes, double time, Index begin = 0, Index end = none) const;
@@ -173,6 +176,7 @@ class Constraints {
   std::vector<Group> groups_;
   std::vector<Constrained> constrained_;  ///< ascending
   std::vector<Driven> driven_;            ///< ascending; vertices of moving groups
+  bool gives_velocity_ = true;
 };
 
 }  // namespace suture

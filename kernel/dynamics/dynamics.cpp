@@ -46,6 +46,7 @@ Dynamics::Dynamics(Body& body, const DynamicsOptions& options)
                      " has none (suture.tangent/1); use an explicit integrator, or add the "
                      "extension to the model");
   for (const FieldEquation& field : body.fields()) require_turns(field.field(), options);
+  body.constraints().give_velocity(!is_static());
   body.add_follower(*this);
 }
 

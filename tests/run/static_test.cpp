@@ -10,6 +10,7 @@
 
 #include "kernel/base/error.hpp"
 #include "kernel/dynamics/pieces.hpp"
+#include "kernel/results/fields.hpp"
 #include "tests/reference/beam.hpp"
 #include "tests/run/beam.hpp"
 #include "tests/run/events.hpp"
@@ -125,6 +126,54 @@ TEST(Static, PrescribedMotionGivesUniaxialTensionInAnyNumberOfSteps) {
       for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(attributes.position().get(v, c),
                     (c == 0 ? 1.5 : lateral) * attributes.rest().get(v, c), 1e-8);
+  }
+}
+
+/// A bar of springs with this viscosity, which is drawn over `end` seconds.
+Scene viscous_bar(double viscosity, double end, bool follows_path) {
+  Scene scene = stretched(2);
+  scene.models =
+      beam(host(), "mss-baudet", 4, 2, 0, {{"viscosity", viscosity}, {"nu", 0.25}}).models;
+  scene.constraints[0].components = scene.constraints[1].components = 7;
+  scene.constraints[1].ramp.to = end;
+  scene.solver.end = end;
+  scene.solver.dt = end / 2;
+  scene.solver.follow_path = follows_path;
+  return scene;
+}
+
+Selection section_at(double x) {
+  Selection section;
+  section.what = Selection::InBox{{x - 1e-3, -1, -1}, {x + 1e-3, 1, 1}};
+  section.path = "/section";
+  return section;
+}
+
+double reaction_at_the_grip(Simulation& simulation) {
+  const auto reaction = std::ranges::find(kernel_fields(), "reaction", &FieldChoice::name);
+  simulation.built().dynamics().synchronise();
+  double sum = 0;
+  for (const Index v : simulation.built().selector().vertices(section_at(1)))
+    sum += reaction->value(simulation.built(), {}, v, 0);
+  return sum;
+}
+
+// Time is a parameter only: however fast it passes, no force feels how fast a grip moves.
+TEST(Static, AnEquilibriumDoesNotDependOnTheSpeedOfPrescribedMotions) {
+  for (const bool follows_path : {false, true}) {
+    TestSimulation elastic(viscous_bar(0, 1, follows_path));
+    elastic.run();
+    const double reaction = reaction_at_the_grip(elastic);
+    EXPECT_GT(reaction, 1e3);
+    for (const double viscosity : {1.0, 10.0})
+      for (const double end : {1.0 / 1024, 1.0, 1024.0}) {
+        TestSimulation simulation(viscous_bar(viscosity, end, follows_path));
+        simulation.run();
+        EXPECT_NEAR(simulation.mean_displacement(section_at(0.5))[0], 0.25, 1e-7)
+            << viscosity << ' ' << end;
+        EXPECT_NEAR(reaction_at_the_grip(simulation), reaction, 1e-6 * reaction);
+        EXPECT_EQ(simulation.energies().kinetic, 0);
+      }
   }
 }
 

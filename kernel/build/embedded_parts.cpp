@@ -138,6 +138,7 @@ void EmbeddedParts::replace_tetrahedra(const Parts& refined, Index first_point) 
 
 void EmbeddedParts::coarsen(const CellComplex& complex, std::span<const Index> elements,
                             std::size_t most) {
+  if (lattice_.empty()) return;  // no blade divides this body
   std::vector<Index> fine;
   for (const Index e : elements) {
     const std::size_t i = position_in(parts_.elements, e);
@@ -216,6 +217,8 @@ void EmbeddedParts::join(std::span<const Seam> seams) {
 /// Forgets what is open on these sides of elements.
 void EmbeddedParts::close(std::vector<Dart> closed) {
   std::ranges::sort(closed);
+  parts_.is_cut.resize(parts_.triangles.size(), 0);  // before the first cut, both lists are empty
+  cut_of_triangle_.resize(parts_.triangles.size(), none);
   std::size_t kept = 0;
   for (std::size_t t = 0; t < parts_.triangles.size(); ++t) {
     const auto& [a, b, c] = parts_.triangles[t];

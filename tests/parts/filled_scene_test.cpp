@@ -178,6 +178,29 @@ TEST(FilledScene, CutsOpenTheSurface) {
   EXPECT_NEAR(volume_of(ball_of.frame()), volume, 1e-12);
 }
 
+// No blade has divided an element: the lists of what blades have made are empty.
+TEST(FilledScene, FacesThatWereCutAreSewn) {
+  for (const Vec3& normal : {Vec3{1, 0, 0}, Vec3{0.2, 0.1, 1}}) {
+    Scene scene = ball();
+    Event cut, sew;
+    cut.what = CutPlane{{3, 0, 0.05}, normal};
+    cut.path = "/events/0";
+    sew.what = SewFaces{};
+    sew.path = "/events/1";
+    sew.at = 1;
+    scene.events = {cut, sew};
+    Built ball_of(scene);
+    const Frame whole = ball_of.side();
+    ball_of.events.fire(0, 0);
+    EXPECT_GT(ball_of.side().cells.size(), whole.cells.size());
+    ball_of.events.fire(1, 1);
+    const Frame sewn = ball_of.side();
+    EXPECT_EQ(sewn.cells.size(), whole.cells.size());
+    EXPECT_NEAR(enclosed_by(sewn), enclosed_by(whole), 1e-12);
+    EXPECT_NEAR(volume_of(ball_of.frame()), enclosed_by(whole), 1e-12);
+  }
+}
+
 TEST(FilledScene, EvidenceShowsTheMaterialOnlyToo) {
   const TemporaryFolder folder;
   Built ball_of(ball());

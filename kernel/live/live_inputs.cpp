@@ -66,8 +66,6 @@ void LiveRun::obey(const std::string& text, Observer& observer) {
     act(what, input, observer);
   } catch (const Json::exception&) {
     tell("error", not_understood(text, what));
-  } catch (const IoError&) {
-    throw;  // of the recording
   } catch (const NumericalError& error) {
     fail(error);
   } catch (const Error& error) {
@@ -150,6 +148,7 @@ void LiveRun::apply(const std::string& value, Observer& observer, const std::str
 /// What was done since the scene began, if that is known.
 std::optional<std::vector<RecordedInput>> LiveRun::all_inputs() const {
   auto all = earlier_;
+  if (!recording_->problem().empty()) return {};
   if (!all || !recording_->has_inputs()) return all;
   const std::vector<RecordedInput> since = recording_->read().inputs;
   all->insert(all->end(), since.begin(), since.end());
@@ -187,7 +186,7 @@ void LiveRun::make_divisible(Observer& observer) {
   auto [scene, simulation] = divisible_run(*scene_, host_, diagnostics_);
   observer.on_message("the run is made again, prepared for cuts along blades");
   reported_warnings_ = diagnostics_.warnings().size();  // those of before again
-  const bool has_file = recording_->has_inputs(), plays = status_.is_playing;
+  const bool has_file = recording_->knows_inputs(), plays = status_.is_playing;
   Recording done;
   if (has_file) done = recording_->read();
   const std::filesystem::path old = recording_->path();
@@ -262,7 +261,7 @@ void LiveRun::remove_failed_piece(Observer& observer) {
     throw InputError("the run has not failed at a small piece; there is nothing to remove");
   const FailedPiece piece = *simulation_->failed_piece();
   const auto done =
-      recording_->has_inputs() ? recording_->read().inputs : std::vector<RecordedInput>();
+      recording_->knows_inputs() ? recording_->read().inputs : std::vector<RecordedInput>();
   std::optional<LiveState> from = std::exchange(recent_, std::nullopt);
   if (from && from->step > piece.good_step) from.reset();
   kept_.drop_after(piece.good_step);

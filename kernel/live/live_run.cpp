@@ -142,6 +142,7 @@ void LiveRun::catch_up() {
 
 void LiveRun::end() {
   if (!status_.has_failed) recording_->end(*simulation_);
+  report_warnings();
 }
 
 void LiveRun::watch() {
@@ -319,6 +320,11 @@ void LiveRun::show() {
 }
 
 void LiveRun::report_warnings() {
+  if (recording_ && recording_->problem() != reported_problem_) {
+    reported_problem_ = recording_->problem();
+    diagnostics_.warn("the recording ends here, and the run goes on without it: " +
+                      reported_problem_);
+  }
   const auto& warnings = diagnostics_.warnings();
   while (reported_warnings_ < warnings.size()) tell("warning", warnings[reported_warnings_++]);
 }

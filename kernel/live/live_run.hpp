@@ -151,6 +151,7 @@ class LiveRun {
   Wall::time_point next_recent_;
   int failure_code_ = 0;
   std::size_t reported_warnings_ = 0;
+  std::string reported_problem_;  ///< of the recording
   /// Where and when playing began, which the speed counts from.
   double played_from_ = 0;
   Wall::time_point playing_since_, next_picture_, next_unwatched_, acted_;

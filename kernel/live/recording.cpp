@@ -219,12 +219,17 @@ RecordingWriter::RecordingWriter(std::optional<std::filesystem::path> file, cons
 
 void RecordingWriter::write(const std::string& line) {
   if (!is_on_) return;
-  if (!file_) {
-    const Folder folder = Folder::open(path_.parent_path());
-    file_ = std::make_unique<OutputFile>(folder, path_.filename().string());
-    file_->write(header_);
+  try {
+    if (!file_) {
+      const Folder folder = Folder::open(path_.parent_path());
+      file_ = std::make_unique<OutputFile>(folder, path_.filename().string());
+      file_->write(header_);
+    }
+    file_->write(line);
+  } catch (const IoError& error) {
+    is_on_ = false;
+    problem_ = error.what();
   }
-  file_->write(line);
 }
 
 void RecordingWriter::input(const RecordedInput& input) {
@@ -247,6 +252,8 @@ void RecordingWriter::failed(std::uint64_t step, const std::string& why) {
 }
 
 Recording RecordingWriter::read() const {
+  if (!problem_.empty())
+    throw InputError("the recording, which is needed for this, has ended: " + problem_);
   try {
     return read_recording(path_);
   } catch (const IoError& error) {
@@ -257,7 +264,11 @@ Recording RecordingWriter::read() const {
 void RecordingWriter::end(Simulation& simulation) {
   if (!has_inputs() || !is_on_) return;
   write(line_of({{"step", simulation.step()}, {"end", true}, {"state", state_hash(simulation)}}));
-  file_->close();
+  try {
+    if (is_on_) file_->close();
+  } catch (const IoError& error) {
+    problem_ = error.what();
+  }
 }
 
 }  // namespace suture

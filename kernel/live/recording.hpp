@@ -62,8 +62,8 @@ std::string state_hash(Simulation& simulation);
 std::filesystem::path free_name(const std::filesystem::path& folder, const Scene& scene,
                                 const std::string& what, const std::string& ending);
 
-/// Writes a recording, each input at once. The file is created by the first input. Throws IoError,
-/// from the start if it cannot be created.
+/// Writes a recording, each input at once. The file is created by the first input. Throws IoError
+/// from the start if it cannot be created; if it cannot be written later, it ends.
 class RecordingWriter {
  public:
   /// `file`: "" for a name made from that of the scene, which no file has yet; none: nothing is
@@ -74,6 +74,8 @@ class RecordingWriter {
   /// The file; it exists if has_inputs().
   const std::filesystem::path& path() const { return path_; }
   bool has_inputs() const { return file_ != nullptr; }
+  /// Whether read() says what was done so far, or throws because the file lacks it.
+  bool knows_inputs() const { return has_inputs() || !problem_.empty(); }
   void input(const RecordedInput& input);
   /// The number of inputs that count.
   std::size_t inputs() const { return inputs_; }
@@ -89,6 +91,8 @@ class RecordingWriter {
   /// Nothing more is written.
   void stop() { is_on_ = false; }
   bool is_on() const { return is_on_; }
+  /// Why it has ended by itself, so that the file lacks inputs; "" if it has not.
+  const std::string& problem() const { return problem_; }
 
  private:
   void write(const std::string& line);
@@ -98,6 +102,7 @@ class RecordingWriter {
   std::uint64_t first_step_;
   std::unique_ptr<OutputFile> file_;
   bool is_on_;
+  std::string problem_;
   std::size_t inputs_ = 0;
 };
 

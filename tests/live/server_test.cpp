@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Who may talk to the server, and what clients cannot do to it.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <ctime>
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include "kernel/live/live_server.hpp"
 #include "tests/live/client.hpp"
@@ -155,6 +160,43 @@ TEST_F(Server, SurvivesGarbage) {
   ASSERT_TRUE(next.open());
   EXPECT_EQ(next.until("control")["control"], true);
   EXPECT_TRUE(server->take_inputs().empty());
+}
+
+// Whoever says nothing makes room for others.
+TEST_F(Server, ManyThatSayNothingKeepNobodyOut) {
+  Client page(address);
+  ASSERT_TRUE(page.open());
+  std::vector<std::unique_ptr<Client>> silent;
+  for (int i = 0; i < 200; ++i) silent.push_back(std::make_unique<Client>(address));
+  EXPECT_THAT(Client(address).get(address.path).text, HasSubstr("<canvas"));
+  EXPECT_THROW(silent.front()->get(address.path), boost::system::system_error) << "was cut off";
+  page.send("from the page");
+  EXPECT_THAT(wait_for_inputs(), testing::ElementsAre("from the page"));
+}
+
+TEST_F(Server, CutsOffWhoSaysNothingForLong) {
+  Client silent(address);
+  std::this_thread::sleep_for(7s);
+  EXPECT_THROW(silent.get(address.path), boost::system::system_error);
+}
+
+// A connection that cannot be accepted stays in line: it must not keep the server busy.
+TEST_F(Server, RestsWhileNoDescriptorIsLeft) {
+  EXPECT_EQ(Client(address).get(address.path).status, 200U);
+  boost::asio::io_context context;
+  boost::asio::ip::tcp::socket waiting(context, boost::asio::ip::tcp::v4());
+  std::vector<int> taken;
+  for (int fd = ::open("/dev/null", O_RDONLY); fd >= 0; fd = ::dup(taken.front()))
+    taken.push_back(fd);
+  ASSERT_FALSE(taken.empty());
+  waiting.connect({boost::asio::ip::address_v4::loopback(),
+                   static_cast<unsigned short>(std::stoul(address.port))});
+  const std::clock_t before = std::clock();
+  std::this_thread::sleep_for(1s);
+  const double busy = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  for (const int fd : taken) ::close(fd);
+  EXPECT_LT(busy, 0.2);
+  EXPECT_EQ(Client(address).get(address.path).status, 200U);
 }
 
 // All addresses of this machine, by any of its names; the token and the origin are needed as ever.

@@ -9,11 +9,13 @@
 namespace suture::live {
 namespace {
 
-constexpr std::size_t kept_texts = 100, max_inputs = 10000;
+constexpr std::size_t kept_texts = 100, max_inputs = 10000, max_connections = 64;
 
 Text text_of(const char* text) { return std::make_shared<const std::string>(text); }
 
 }  // namespace
+
+bool Room::has_place() const { return connections_.size() < max_connections; }
 
 void Room::join(const std::shared_ptr<Connection>& connection) {
   connections_.push_back(connection);

@@ -29,6 +29,8 @@ class Room {
   const std::filesystem::path three_js;
   const bool is_open;  ///< to other machines
 
+  /// Whether another connection may join.
+  bool has_place() const;
   void join(const std::shared_ptr<Connection>& connection);
   void leave(const Connection& connection);
   /// Drops all connections, before what they need ends.

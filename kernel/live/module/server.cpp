@@ -5,6 +5,8 @@
 #include <array>
 #include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <deque>
 #include <optional>
 #include <random>
 #include <thread>
@@ -19,6 +21,13 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
 using Tcp = asio::ip::tcp;
+
+/// Connections that have not opened a web socket. Browsers open about six.
+constexpr std::size_t max_visitors = 64;
+/// A connection says something in so long after it was made, and between its requests.
+constexpr auto first_word = std::chrono::seconds(5), next_word = std::chrono::seconds(30);
+/// Where no connection can be accepted, as no descriptor is left, the next attempt is made later.
+constexpr auto rest_after_failure = std::chrono::milliseconds(200);
 
 /// 128 bits of the system's generator, in hexadecimal digits.
 std::string random_token() {
@@ -100,29 +109,31 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
  public:
   Visitor(Tcp::socket socket, Room& room) : stream_(std::move(socket)), room_(room) {}
 
-  void read() {
+  void read(std::chrono::seconds most = first_word) {
     parser_.emplace();
     parser_->header_limit(1 << 13);
     parser_->body_limit(1 << 10);
-    stream_.expires_after(std::chrono::seconds(30));
+    stream_.expires_after(most);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](beast::error_code failed, std::size_t) {
                        if (!failed) self->receive(self->parser_->release());
                      });
   }
+  /// Operations that are under way end with an error.
+  void leave() { stream_.close(); }
 
  private:
   void receive(Request request) {
     const auto name = name_in(view_of(request.target()), room_.token);
     if (beast::websocket::is_upgrade(request) && name && *name == "socket" &&
-        is_own_page(request, room_)) {
+        is_own_page(request, room_) && room_.has_place()) {
       std::make_shared<Connection>(std::move(stream_), room_)->accept(request);
       return;
     }
     response_ = answer(request, room_);
     http::async_write(stream_, response_,
                       [self = shared_from_this()](beast::error_code failed, std::size_t) {
-                        if (!failed && self->response_.keep_alive()) self->read();
+                        if (!failed && self->response_.keep_alive()) self->read(next_word);
                       });
   }
 
@@ -172,18 +183,37 @@ class Server final : public LiveServer {
   }
   void accept() {
     listener_.async_accept([this](beast::error_code failed, Tcp::socket socket) {
-      if (!failed) {
-        socket.set_option(Tcp::no_delay(true), failed);
-        std::make_shared<Visitor>(std::move(socket), room_)->read();
-      }
+      if (failed) return accept_later();
+      socket.set_option(Tcp::no_delay(true), failed);
+      admit(std::make_shared<Visitor>(std::move(socket), room_));
       accept();
     });
+  }
+  /// The listener stays readable as long as somebody waits: another attempt at once would fail,
+  /// too.
+  void accept_later() {
+    pause_.expires_after(rest_after_failure);
+    pause_.async_wait([this](beast::error_code stopped) {
+      if (!stopped) accept();
+    });
+  }
+  /// Where there are too many, the one that came first leaves.
+  void admit(const std::shared_ptr<Visitor>& visitor) {
+    std::erase_if(visitors_, [](const auto& each) { return each.expired(); });
+    if (visitors_.size() >= max_visitors) {
+      if (const auto first = visitors_.front().lock()) first->leave();
+      visitors_.pop_front();
+    }
+    visitors_.push_back(visitor);
+    visitor->read();
   }
 
   asio::ip::address host_;
   Room room_;  // outlives the handlers that wait in the context
   asio::io_context context_{1};
   Tcp::acceptor listener_;
+  asio::steady_timer pause_{context_};
+  std::deque<std::weak_ptr<Visitor>> visitors_;  ///< in the order in which they came
   std::string address_;
   std::thread thread_;
 };

@@ -479,6 +479,19 @@ double Constraints::largest_turn(double from, double to) const {
   return largest;
 }
 
+std::vector<double> Constraints::corners(double from, double to) const {
+  std::vector<double> times;
+  for (const Group& group : groups_) {
+    const PrescribedMotion& motion = group.motion;
+    if (!motion.moves()) continue;
+    times.insert(times.end(), {motion.begin(), motion.end()});
+    for (const MotionPath::Station& station : motion.path.stations) times.push_back(station.at);
+  }
+  std::erase_if(times, [&](double time) { return !(from < time && time < to); });
+  sort_unique(times);
+  return times;
+}
+
 double Constraints::last_change() const {
   double time = 0;
   for (const Group& group : groups_)

@@ -128,6 +128,9 @@ class Constraints {
   /// nothing moves.
   double longest_step(double time) const;
 
+  /// The times between two at which a motion begins, ends or comes to a station of its path,
+  /// ascending: in between, no motion stops.
+  std::vector<double> corners(double from, double to) const;
   /// The largest angle by which a motion turns its vertices between two times, rad.
   double largest_turn(double from, double to) const;
 

@@ -14,7 +14,7 @@ constexpr double last_part = 0.02;         // of the change, for Newton's method
 constexpr double before_end = 0.9;         // of the way to the end, where it is longer
 constexpr double least_cosine = 0.7;       // between successive segments
 constexpr double point_tolerance = 1e-6;   // of equilibria before the last, relative to the forces
-constexpr double difference = 1e-6;        // of s, for g = dr/ds
+constexpr double first_difference = 0.05;  // of s, where a smooth ramp begins at the rate 0
 constexpr double forcing = 1e-3;           // of the linear solves
 constexpr unsigned max_points = 1000, max_corrections = 10, max_linear_iterations = 5000;
 constexpr unsigned good_iterations = 4;  // per point
@@ -28,13 +28,30 @@ ArcLength::ArcLength(LoadPath& path)
       matrix_(path.motion().body().attributes(), path.motion().body().terms(),
               path.motion().body().models().workers()) {}
 
+/// Where a motion begins or ends, dr/ds jumps, and it is 0 where nothing else changes: no direction
+/// leads on there. So the path is followed from one such time to the next.
 void ArcLength::solve(const StepEquations& equations) {
-  path_.begin(equations);
+  double start = path_.motion().time();
+  for (const double corner : path_.motion().body().constraints().corners(start, equations.time)) {
+    StepEquations until = equations;
+    until.time = corner;
+    until.is_predicted = false;
+    follow(until, start);
+    start = corner;
+  }
+  follow(equations, start);
+}
+
+void ArcLength::follow(const StepEquations& end, double start) {
+  path_.begin(end, start);
   path_.hold_back();
   limits_.clear();
   part_ = 0;
-  const std::vector<double> rate = rate_at(0, residual_at(0));
-  if (norm(rate) <= point_tolerance * path_.newton().scale()) {  // nothing changes
+  const std::vector<double> residual = residual_at(0);
+  const double least = point_tolerance * path_.newton().scale();
+  std::vector<double> rate = rate_at(0, residual);
+  if (norm(rate) <= least) rate = rate_at(0, residual, first_difference);
+  if (norm(rate) <= least) {  // nothing changes
     if (!path_.try_at(1)) refuse("cannot leave its start");
     return;
   }
@@ -224,7 +241,8 @@ std::vector<double> ArcLength::residual_at(double part) {
 }
 
 /// g at the same positions, by a difference.
-std::vector<double> ArcLength::rate_at(double part, const std::vector<double>& residual) {
+std::vector<double> ArcLength::rate_at(double part, const std::vector<double>& residual,
+                                       double difference) {
   std::vector<double> rate = residual_at(part + difference);
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = (rate[i] - residual[i]) / difference;
   return rate;

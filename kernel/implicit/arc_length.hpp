@@ -45,6 +45,7 @@ class ArcLength {
   void solve(const StepEquations& equations);
 
  private:
+  void follow(const StepEquations& end, double start);
   struct Segment {
     double length = 0;  ///< |x - x_last|, m
     double rate = 0;    ///< ds / length, 1/m
@@ -61,10 +62,13 @@ class ArcLength {
   [[noreturn]] void refuse(const std::string& how) const;
   void report(unsigned iterations) const;
 
+  static constexpr double small_difference = 1e-6;  ///< of s, for g = dr/ds
+
   double* position();
   void move(const std::vector<double>& direction, double length);
   std::vector<double> residual_at(double part);
-  std::vector<double> rate_at(double part, const std::vector<double>& residual);
+  std::vector<double> rate_at(double part, const std::vector<double>& residual,
+                              double difference = small_difference);
   void set_matrix(double part);
   std::vector<double> solve_linear(std::span<const double> right);
 

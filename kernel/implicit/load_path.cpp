@@ -11,13 +11,14 @@
 
 namespace suture {
 
-void LoadPath::begin(const StepEquations& end) {
+void LoadPath::begin(const StepEquations& end, double start) {
   Body& body = motion_.body();
   const double* x = body.attributes().position().rows();
   position_.assign(x, x + std::size_t{body.attributes().vertex_count()} * 4);
   inverted_ = find_inverted(body.complex(), body.attributes());
   unbalanced_.clear();
   failure_ = {};
+  start_ = start;
   end_ = end;
 }
 
@@ -29,18 +30,18 @@ StepEquations LoadPath::equations_at(double part) const {
   StepEquations equations = end_;
   if (part == 1) return equations;
   equations.is_predicted = false;
-  const double start = motion_.time();
-  equations.time = start + std::clamp(part, 0.0, 1.0) * (end_.time - start);
+  equations.time = start_ + std::clamp(part, 0.0, 1.0) * (end_.time - start_);
   equations.loads = {{end_.time, part}};
-  if (motion_.last_step() > 0) equations.loads.push_back({start, 1 - part});
+  const bool has_loads = motion_.last_step() > 0 || start_ > motion_.time();
+  if (has_loads) equations.loads.push_back({start_, 1 - part});
   equations.held_back = unbalanced_;
   for (double& force : equations.held_back) force *= 1 - part;
   return equations;
 }
 
 double LoadPath::turn(double from, double to) const {
-  const double start = motion_.time(), length = end_.time - start;
-  return motion_.body().constraints().largest_turn(start + from * length, start + to * length);
+  const double length = end_.time - start_;
+  return motion_.body().constraints().largest_turn(start_ + from * length, start_ + to * length);
 }
 
 bool LoadPath::try_at(double part) {
@@ -82,7 +83,7 @@ void LoadPath::refuse_inversion() const {
 
 std::string LoadPath::interval() const {
   std::ostringstream text;
-  text << time_text(motion_.time()) << " to " << end_.time << " s";
+  text << time_text(start_) << " to " << end_.time << " s";
   return text.str();
 }
 

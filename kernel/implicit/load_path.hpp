@@ -29,9 +29,11 @@ class LoadPath {
     bool is_unsettled = false;  ///< by contact
   };
 
-  /// The path from the current state to the equations at the end of a step. One evaluation of the
-  /// forces with hold_back(), without which the unbalanced forces act at once.
-  void begin(const StepEquations& end);
+  /// The path from the current state, which is that at `start`, to the equations at the end of a
+  /// step or of a part of it; a step starts at the time of the motion. One evaluation of the forces
+  /// with hold_back(), without which the unbalanced forces act at once.
+  void begin(const StepEquations& end) { begin(end, motion_.time()); }
+  void begin(const StepEquations& end, double start);
   void hold_back();
   StepEquations equations_at(double part) const;
 
@@ -65,6 +67,7 @@ class LoadPath {
   Motion& motion_;
   Newton& newton_;
   std::vector<bool> forbids_inversion_;
+  double start_ = 0;                ///< s
   StepEquations end_;               ///< of the step: s = 1
   std::vector<double> unbalanced_;  ///< at s = 0, 3 numbers per vertex, N; empty: act at once
   std::vector<double> position_;    ///< of the last equilibrium, 4 numbers per vertex

@@ -133,6 +133,27 @@ TEST(Path, OfAMotionLeadsToItsEnd) {
   EXPECT_NEAR(simulation.energies().elastic, expected, 1e-6 * expected);
 }
 
+// A motion that begins late, ends early, or is at rest at both ends, with and without a load that
+// goes on: there is no direction where nothing moves any more.
+TEST(Path, LeadsOnWhereMotionsBeginAndEnd) {
+  const TimeRamp ramps[] = {
+      {0, 0.5, false}, {0, 0.5, true}, {0.5, 1, false}, {0.25, 0.75, true}, {0, 1, true}};
+  for (const TimeRamp& ramp : ramps)
+    for (const bool has_load : {false, true}) {
+      Scene scene = half_strip();
+      hold(scene, mid_edge(), 2, {0, 0.03, 0});
+      for (Constraint& constraint : scene.constraints) constraint.ramp = ramp;
+      if (has_load) load(scene, at({0.5, any, any}), {0, 0, 10});
+      TestSimulation simulation(along_the_path(scene, 1, 1));
+      Heard heard;
+      EXPECT_EQ(simulation.run(heard).outcome, RunSummary::Outcome::finished);
+      EXPECT_TRUE(heard.messages.empty()) << heard.messages[0];
+      const double expected = Equilibrium(scene, 4).energy();
+      EXPECT_NEAR(simulation.energies().elastic, expected, 1e-6 * expected)
+          << ramp.from << " to " << ramp.to << ", smooth: " << ramp.smooth;
+    }
+}
+
 TEST(Path, OfStepsInWhichNothingChangesStaysWhereItIs) {
   Scene scene = half_strip();
   scene.gravity = {0, -0.1, 0};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/suture/commands.hpp"
+#include "kernel/run/inventory.hpp"
 #include "kernel/run/plausibility.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
@@ -19,6 +20,7 @@ int check(const CheckCommand& command, Console& console) {
                   count(scene.loads.size(), "load") + ", " + count(scene.events.size(), "event") +
                   "; hash " + scene.hash + ")");
     console.print(describe_plausibility(simulation.built()));
+    for (const std::string& line : take_inventory(simulation.built())) console.print(line);
   }
   return 0;
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/suture/commands.hpp"
+#include "kernel/run/inventory.hpp"
 #include "kernel/run/plausibility.hpp"
 #include "kernel/run/simulation.hpp"
 #include "kernel/scene/scene_reader.hpp"
@@ -47,6 +48,7 @@ void print_decisions(const std::vector<Decision>& decisions, bool skipped, Conso
 
 struct Explained {
   std::string plausibility;
+  std::vector<std::string> inventory;
   Estimate cost;
 };
 
@@ -56,6 +58,7 @@ void print_text(const Scene& scene, const Simulation& simulation, const Explaine
   console.print(scene.file.filename().string() + (scene.title.empty() ? "" : ": " + scene.title) +
                 " (hash " + scene.hash + ")");
   console.print(what.plausibility);
+  for (const std::string& line : what.inventory) console.print(line);
   for (const bool skipped : {false, true}) {
     console.print(skipped ? "\nskipped" : "\ndone");
     print_decisions(simulation.decisions(), skipped, console);
@@ -83,6 +86,7 @@ void print_json(const Scene& scene, const Simulation& simulation, const Explaine
   nlohmann::ordered_json report = {{"scene", scene.file.string()},
                                    {"hash", scene.hash},
                                    {"plausibility", what.plausibility},
+                                   {"inventory", what.inventory},
                                    {"decisions", decisions},
                                    {"steps", nullptr},
                                    {"frames", cost.frames},
@@ -104,8 +108,8 @@ int explain(const ExplainCommand& command, Console& console) {
   PluginHost host(&console.diagnostics(), trust_of(command));
   const Scene scene = read_scene(command.scene, command.sets, host, console.diagnostics());
   Simulation simulation(scene, host, console.diagnostics(), command.skip);
-  const std::string plausibility = describe_plausibility(simulation.built());
-  const Explained what{plausibility, simulation.estimate()};
+  BuiltScene& built = simulation.built();
+  const Explained what{describe_plausibility(built), take_inventory(built), simulation.estimate()};
   (command.json ? print_json : print_text)(scene, simulation, what, console);
   return 0;
 }

@@ -96,14 +96,17 @@ struct RestBody {
   MeshNames names;
   Parts parts;
   Body body;
+  std::vector<NamedSelection> sets;
   Selector selector;
 
-  RestBody(Mesh mesh, const ImportOptions& options, Diagnostics& diagnostics)
+  RestBody(Mesh mesh, const Scene& scene, Diagnostics& diagnostics)
       : frame(frame_of(mesh)),
         names(MeshNames::of(mesh)),
         parts(mesh.parts),
-        body(import_mesh(std::move(mesh), options, diagnostics)),
-        selector(body.imported(), names, body.attributes().rest(), frame, parts) {
+        body(import_mesh(std::move(mesh), scene.mesh.import, diagnostics)),
+        sets(scene.sets),
+        selector(body.imported(), names, body.attributes().rest(), frame, parts, sets) {
+    for (NamedSelection& set : sets) set.where = in_frame(std::move(set.where), frame);
     parts = renumbered(std::move(parts), body.imported().element_of);
   }
 };
@@ -141,6 +144,7 @@ void add_sets(SelectionFields& fields, const MeshNames& names) {
 }
 
 void add_selections(SelectionFields& fields, const Scene& scene) {
+  for (const NamedSelection& set : scene.sets) fields.add("set " + set.name, set.where);
   const auto add = [&](const Selection& where, const std::string& name, bool of_elements = false) {
     const std::string place = where.path.substr(0, where.path.rfind('/'));
     fields.add("at " + place + (name.empty() ? "" : " " + name), where, of_elements);
@@ -192,7 +196,7 @@ void add_obstacles(Frame& frame, const std::vector<Obstacle>& obstacles) {
 Frame frame_of_scene(const PlotCommand& command, Diagnostics& diagnostics) {
   PluginHost host(&diagnostics, trust_of(command));
   const Scene scene = read_scene(command.what[0], command.sets, host, diagnostics);
-  RestBody body(load_mesh(scene, diagnostics), scene.mesh.import, diagnostics);
+  RestBody body(load_mesh(scene, diagnostics), scene, diagnostics);
   const CellComplex& complex = body.body.complex();
   Frame frame;
   const Column& rest = body.body.attributes().rest();

@@ -171,7 +171,8 @@ BuiltScene::BuiltScene(const Scene& given, Mesh mesh, Diagnostics& diagnostics, 
       names_(MeshNames::of(mesh)),
       parts_(mesh.parts),
       body_(import_and_trim(std::move(mesh), scene_, diagnostics)),
-      selector_(body_.imported(), names_, body_.attributes().rest(), frame_, parts_.parts()) {
+      selector_(body_.imported(), names_, body_.attributes().rest(), frame_, parts_.parts(),
+                scene_.sets) {
   parts_.renumber(body_.imported().element_of);
   check_parts(scene_, parts());
   if (scene_.divides_elements()) let_parts_grow();

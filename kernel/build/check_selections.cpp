@@ -13,6 +13,7 @@ class SelectionCheck {
   explicit SelectionCheck(const Selector& selector) : selector_(selector) {}
 
   void check(const Scene& scene) {
+    for (const NamedSelection& set : scene.sets) check_set(set);
     check_models(scene.models);
     for (const Constraint& constraint : scene.constraints) vertices(constraint.where);
     for (const InitialMotion& motion : scene.initial_motion) vertices(motion.where);
@@ -52,6 +53,14 @@ class SelectionCheck {
     attempt([&] { selector_.vertices(where); });
   }
 
+  /// A set has nodes or elements, and a name of its own.
+  void check_set(const NamedSelection& set) {
+    attempt([&] {
+      if (selector_.mesh_has_set(set.name))
+        throw InputError(set.where.path + ": the mesh has a set of this name, too; choose another");
+      if (selector_.vertices_now(set.where).empty()) selector_.elements(set.where);
+    });
+  }
   void check_models(const std::vector<ModelUse>& models) {
     std::vector<char> covered(selector_.element_count());
     bool known = true;

@@ -51,6 +51,16 @@ struct Contains {
     return dot(minus(p, s.point), s.normal) >= 0;
   }
   bool operator()(const Selection::Sphere& s) const { return norm(minus(p, s.centre)) <= s.radius; }
+  bool operator()(const Selection::Cylinder& s) const {
+    const Vec3 axis = minus(s.to, s.from), r = minus(p, s.from);
+    const double length = norm(axis), along = dot(r, axis) / length, slack = 1e-14 * length;
+    return along >= -slack && along <= length + slack && norm(cross(r, axis)) <= s.radius * length;
+  }
+  bool operator()(const Selection::Combined& s) const {
+    const auto holds = [&](const Selection& part) { return std::visit(*this, part.what); };
+    if (s.how == Selection::Combined::How::all_of) return std::ranges::all_of(s.parts, holds);
+    return std::ranges::any_of(s.parts, holds) != (s.how == Selection::Combined::How::none_of);
+  }
   bool operator()(const Selection::Nearest&) const { return false; }
   bool operator()(const Selection::Ids&) const { return false; }
   bool operator()(const Selection::Named&) const { return false; }
@@ -72,6 +82,17 @@ struct MayHold {
   }
   bool operator()(const Selection::Sphere& s) const {
     return least_distance(box, s.centre) <= s.radius;
+  }
+  bool operator()(const Selection::Cylinder& s) const {
+    Box around{s.from, s.from};
+    include(around, s.to);
+    for (std::size_t a = 0; a < 3; ++a) around.low[a] -= s.radius, around.high[a] += s.radius;
+    return overlap(box, around);
+  }
+  bool operator()(const Selection::Combined& s) const {
+    const auto may_hold = [&](const Selection& part) { return std::visit(*this, part.what); };
+    if (s.how == Selection::Combined::How::all_of) return std::ranges::all_of(s.parts, may_hold);
+    return s.how == Selection::Combined::How::none_of || std::ranges::any_of(s.parts, may_hold);
   }
   bool operator()(const Selection::Nearest&) const { return false; }
   bool operator()(const Selection::Ids&) const { return false; }
@@ -147,9 +168,11 @@ Box box_of(const Column& places) {
   return box;
 }
 
-std::vector<std::string> set_names(const std::map<std::string, std::vector<Index>>& a,
-                                   const std::map<std::string, std::vector<Index>>& b) {
+using MeshSets = std::map<std::string, std::vector<Index>>;
+std::vector<std::string> set_names(const MeshSets& a, const MeshSets& b,
+                                   const std::vector<NamedSelection>& defined) {
   std::vector<std::string> names;
+  for (const NamedSelection& set : defined) names.push_back(set.name);
   for (const auto& [name, unused] : a) names.push_back(name);
   for (const auto& [name, unused] : b) names.push_back(name);
   return names;
@@ -167,6 +190,30 @@ std::vector<std::string> set_names(const std::map<std::string, std::vector<Index
 
 [[noreturn]] void unknown_id(const Selection& selection, const char* kind, std::uint64_t id) {
   throw InputError(selection.path + ": the mesh has no " + kind + " with id " + std::to_string(id));
+}
+
+/// mask_of(selection) of each part, combined. What is not selected is in mask_of("all") only.
+template <class MaskOf>
+std::vector<char> combined(const Selection::Combined& selection, MaskOf mask_of) {
+  using How = Selection::Combined::How;
+  std::vector<char> mask = mask_of(selection.parts.front());
+  for (std::size_t i = 1; i < selection.parts.size(); ++i) {
+    const std::vector<char> next = mask_of(selection.parts[i]);
+    for (std::size_t cell = 0; cell < mask.size(); ++cell)
+      mask[cell] =
+          selection.how == How::all_of ? (mask[cell] && next[cell]) : (mask[cell] || next[cell]);
+  }
+  if (selection.how != How::none_of) return mask;
+  std::vector<char> all = mask_of(Selection{});
+  for (std::size_t cell = 0; cell < mask.size(); ++cell) all[cell] = all[cell] && !mask[cell];
+  return all;
+}
+
+std::vector<Index> places_of(const std::vector<char>& mask) {
+  std::vector<Index> cells;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (mask[i] != 0) cells.push_back(static_cast<Index>(i));
+  return cells;
 }
 
 std::map<std::uint64_t, Index> positions(const std::vector<std::uint64_t>& ids) {
@@ -190,12 +237,14 @@ MeshNames MeshNames::of(const Mesh& mesh) {
 }
 
 Selector::Selector(const Imported& imported, const MeshNames& names, const Column& rest,
-                   const BodyFrame& frame, const Parts& parts)
+                   const BodyFrame& frame, const Parts& parts,
+                   const std::vector<NamedSelection>& sets)
     : imported_(imported),
       names_(names),
       rest_(rest),
       frame_(frame),
       parts_(parts),
+      sets_(sets),
       diagonal_(diagonal_of(box_of(rest))),
       point_position_(positions(names.point_ids)),
       element_position_(positions(names.element_ids)) {}
@@ -221,9 +270,17 @@ Index Selector::element_with_id(std::uint64_t id) const {
   return position == none ? none : imported_.element_of[position];
 }
 
+const Selection* Selector::defined(const Selection& selection) const {
+  const auto* named = std::get_if<Selection::Named>(&selection.what);
+  if (named == nullptr) return nullptr;
+  const auto found = std::ranges::find(sets_, named->set, &NamedSelection::name);
+  return found == sets_.end() ? nullptr : &found->where;
+}
+
 std::vector<Index> Selector::named_vertices(const Selection& selection,
                                             const std::string& set) const {
   std::vector<Index> result;
+  if (const Selection* where = defined(selection)) return vertices(*where);
   if (const auto found = names_.point_sets.find(set); found != names_.point_sets.end()) {
     for (Index point : found->second) {
       for (Index vertex : imported_.vertices_of_point(point)) result.push_back(vertex);
@@ -237,7 +294,7 @@ std::vector<Index> Selector::named_vertices(const Selection& selection,
       result.insert(result.end(), nodes.begin(), nodes.end());
     }
   } else {
-    unknown_set(selection, set, set_names(names_.point_sets, names_.element_sets));
+    unknown_set(selection, set, set_names(names_.point_sets, names_.element_sets, sets_));
   }
   return result;
 }
@@ -283,6 +340,8 @@ std::vector<Index> Selector::listed_vertices(const Selection& selection) const {
 }
 
 std::vector<char> Selector::vertex_mask(const Selection& selection, const double* rows) const {
+  if (const auto* parts = selection.needs_masks())
+    return combined(*parts, [&](const Selection& part) { return vertex_mask(part, rows); });
   const auto exists = [&](Index v) { return imported_.complex.exists(0, v); };
   std::vector<char> mask(rest_.size());
   for (const Index v : listed_vertices(selection)) mask[v] = exists(v);
@@ -310,12 +369,7 @@ std::vector<Index> Selector::located_vertices(const Selection& selection,
 }
 
 std::vector<Index> Selector::vertices_now(const Selection& selection, const double* rows) const {
-  const std::vector<char> mask = vertex_mask(selection, rows);
-  std::vector<Index> result;
-  for (std::size_t v = 0; v < mask.size(); ++v) {
-    if (mask[v]) result.push_back(static_cast<Index>(v));
-  }
-  return result;
+  return places_of(vertex_mask(selection, rows));
 }
 
 std::vector<Index> Selector::vertices(const Selection& selection) const {
@@ -325,6 +379,30 @@ std::vector<Index> Selector::vertices(const Selection& selection) const {
                      bounds_text());
   }
   return result;
+}
+
+std::vector<Index> Selector::named_elements(const Selection& selection,
+                                            const std::string& set) const {
+  if (const Selection* where = defined(selection)) return elements(*where);
+  const auto found = names_.element_sets.find(set);
+  if (found == names_.element_sets.end()) {
+    if (names_.point_sets.contains(set))
+      throw InputError(selection.path + ": " + quote(set) +
+                       " is a set of nodes, but elements are expected; select them with a box, a "
+                       "half_space or ids");
+    unknown_set(selection, set, set_names(names_.element_sets, {}, sets_));
+  }
+  std::vector<Index> result;
+  for (const Index position : found->second) result.push_back(imported_.element_of[position]);
+  return result;
+}
+
+std::vector<char> Selector::element_mask(const Selection& selection, const double* rows) const {
+  if (const auto* parts = selection.needs_masks())
+    return combined(*parts, [&](const Selection& part) { return element_mask(part, rows); });
+  std::vector<char> mask(element_count());
+  for (const Index e : elements_now(selection, rows)) mask[e] = 1;
+  return mask;
 }
 
 // Elements that the scene names one by one or by a set, ascending.
@@ -337,15 +415,9 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
       result.push_back(element);
     }
   } else if (const auto* named = std::get_if<Selection::Named>(&selection.what)) {
-    const auto found = names_.element_sets.find(named->set);
-    if (found == names_.element_sets.end()) {
-      if (names_.point_sets.contains(named->set))
-        throw InputError(selection.path + ": " + quote(named->set) +
-                         " is a set of nodes, but elements are expected; select them with a box, a "
-                         "half_space or ids");
-      unknown_set(selection, named->set, set_names(names_.element_sets, {}));
-    }
-    for (Index position : found->second) result.push_back(imported_.element_of[position]);
+    result = named_elements(selection, named->set);
+  } else if (selection.is_listed()) {
+    result = places_of(element_mask(selection, rest_.rows()));
   }
   sort_unique(result);
   return result;
@@ -354,6 +426,7 @@ std::vector<Index> Selector::listed_elements(const Selection& selection) const {
 std::vector<Index> Selector::elements(const Selection& selection,
                                       const ElementBlocks* at_rest) const {
   std::vector<Index> result = listed_elements(selection);
+  if (selection.needs_masks()) result = places_of(element_mask(selection, rest_.rows()));
   if (const auto* named = std::get_if<Selection::Named>(&selection.what); named && result.empty())
     throw InputError(selection.path + ": no element belongs to the set " + quote(named->set) +
                      (names_.mixtures.materials.contains(named->set)
@@ -388,6 +461,7 @@ Vec3 Selector::centroid_of(Index e, const double* rows) const {
 
 std::vector<Index> Selector::elements_now(const Selection& selection, const double* rows,
                                           const ElementBlocks* blocks) const {
+  if (selection.needs_masks()) return places_of(element_mask(selection, rows));
   std::vector<Index> result = listed_elements(selection);
   const std::size_t listed = result.size();  // copies of them, too
   for (auto e = static_cast<Index>(names_.element_count); e < element_count() && listed > 0; ++e)
@@ -425,6 +499,9 @@ std::vector<Dart> Selector::boundary_faces(const Selection& selection) const {
 
 std::vector<char> Selector::point_mask(const Selection& selection,
                                        const EmbeddedPoints& points) const {
+  if (const auto* parts = selection.needs_masks())
+    return combined(*parts, [&](const Selection& part) { return point_mask(part, points); });
+  if (const Selection* where = defined(selection)) return point_mask(*where, points);
   std::vector<char> is_listed(rest_.size()), mask(points.size());
   for (const Index v : listed_vertices(selection)) is_listed[v] = 1;
   for (std::size_t p = 0; p < points.size(); ++p) {

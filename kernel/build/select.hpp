@@ -9,6 +9,7 @@
 #include "kernel/build/translate.hpp"
 #include "kernel/geometry/element_blocks.hpp"
 #include "kernel/parts/surface_triangle.hpp"
+#include "kernel/scene/scene.hpp"
 #include "kernel/topology/import.hpp"
 
 namespace suture {
@@ -42,13 +43,19 @@ struct MeshNames {
 class Selector {
  public:
   /// `rest`: the rest positions of all vertices, in `frame` like all selections. `parts`: by
-  /// elements of the complex.
+  /// elements of the complex. `sets`: of the scene, of cells at rest; each may use earlier ones.
   Selector(const Imported& imported, const MeshNames& names, const Column& rest,
-           const BodyFrame& frame, const Parts& parts);
+           const BodyFrame& frame, const Parts& parts, const std::vector<NamedSelection>& sets);
 
   std::vector<Index> vertices(const Selection& selection) const;
   /// The same during a run, by where vertex v is then: rows[4 v]. May be empty.
   std::vector<Index> vertices_now(const Selection& selection, const double* rows) const;
+  std::vector<Index> vertices_now(const Selection& selection) const {
+    return vertices_now(selection, rest_.rows());
+  }
+  bool mesh_has_set(const std::string& name) const {
+    return names_.point_sets.contains(name) || names_.element_sets.contains(name);
+  }
   /// Elements whose centroid is selected (for ids and sets, the named elements). With the blocks
   /// `at_rest`, only those nearby are looked at.
   std::vector<Index> elements(const Selection& selection,
@@ -90,12 +97,17 @@ class Selector {
   std::vector<char> point_mask(const Selection& selection, const EmbeddedPoints& points) const;
   std::vector<char> vertex_mask(const Selection& selection, const double* rows) const;
   std::vector<Index> named_vertices(const Selection& selection, const std::string& set) const;
+  std::vector<Index> named_elements(const Selection& selection, const std::string& set) const;
+  /// The selection that a set of the scene stands for, or nullptr.
+  const Selection* defined(const Selection& selection) const;
+  std::vector<char> element_mask(const Selection& selection, const double* rows) const;
 
   const Imported& imported_;
   const MeshNames& names_;
   const Column& rest_;
   const BodyFrame& frame_;
   const Parts& parts_;
+  const std::vector<NamedSelection>& sets_;
   double diagonal_;                                                   ///< of the mesh at rest, m
   std::map<std::uint64_t, Index> point_position_, element_position_;  ///< only if the file has ids
 };

@@ -50,12 +50,20 @@ struct Translation {
     (*this)(sphere.centre);
     sphere.radius += rounding;
   }
+  void operator()(Selection::Cylinder& cylinder) const {
+    (*this)(cylinder.from);
+    (*this)(cylinder.to);
+    cylinder.radius += rounding;
+  }
   void operator()(Selection::Nearest& nearest) const {
     (*this)(nearest.point);
     nearest.tie = rounding;
   }
   void operator()(Selection::Ids&) const {}
   void operator()(Selection::Named&) const {}
+  void operator()(Selection::Combined& combined) const {
+    for (Selection& part : combined.parts) (*this)(part);
+  }
   void operator()(Selection& selection) const { std::visit(*this, selection.what); }
   void operator()(std::array<Selection, 2>& sides) const {
     for (Selection& side : sides) (*this)(side);
@@ -136,6 +144,7 @@ struct Translation {
   }
   void operator()(Scene& scene) const {
     (*this)(scene.mesh);
+    for (NamedSelection& set : scene.sets) (*this)(set.where);
     for (ModelUse& use : scene.models) (*this)(use);
     for (Constraint& constraint : scene.constraints) (*this)(constraint);
     for (InitialMotion& motion : scene.initial_motion) (*this)(motion);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cctype>
 
+#include "kernel/base/escape.hpp"
 #include "kernel/base/safe_range.hpp"
 #include "kernel/scene/scene_parts.hpp"
 
@@ -34,6 +35,34 @@ Selection::Sphere read_sphere(ObjectReader sphere) {
   sphere.require("radius", "the radius in m");
   result.radius = sphere.number("radius", Limits::positive("m")).value_or(1);
   sphere.finish();
+  return result;
+}
+
+Selection::Cylinder read_cylinder(ObjectReader cylinder) {
+  Selection::Cylinder result{};
+  result.from = require_vector(cylinder, "from", "m", "the centre of one end [x, y, z] in m");
+  result.to = require_vector(cylinder, "to", "m", "the centre of the other end [x, y, z] in m");
+  cylinder.require("radius", "the radius in m");
+  result.radius = cylinder.number("radius", Limits::positive("m")).value_or(1);
+  if (result.from == result.to)
+    cylinder.complain("to", "is the same point as 'from', so the cylinder has no axis");
+  cylinder.finish();
+  return result;
+}
+
+Selection::Combined read_combined(Selection::Combined::How how, const JsonValue& value,
+                                  const std::string& path, Mistakes& mistakes) {
+  Selection::Combined result{how, {}};
+  if (how == Selection::Combined::How::none_of) {
+    result.parts.push_back(read_selection(value, path, mistakes));
+    return result;
+  }
+  if (const auto* items = read_array(value, path, "selections", mistakes)) {
+    if (items->empty()) mistakes.add(value.at, path, "is empty; give at least one selection");
+    for (std::size_t i = 0; i < items->size(); ++i)
+      result.parts.push_back(read_selection((*items)[i], child_path(path, i), mistakes));
+  }
+  if (result.parts.empty()) result.parts.emplace_back();
   return result;
 }
 
@@ -73,12 +102,13 @@ Selection read_selection(const JsonValue& value, const std::string& path, Mistak
   if (value.kind != JsonValue::Kind::object) {
     mistakes.add(value.at, path,
                  "must be \"all\" or an object with one of box, plane, half_space, sphere, "
-                 "nearest, ids, set; is " +
+                 "cylinder, nearest, ids, set, and, or, not; is " +
                      describe(value));
     return selection;
   }
-  static const std::array<std::string, 7> kinds{"box",     "plane", "half_space", "sphere",
-                                                "nearest", "ids",   "set"};
+  static const std::array<std::string, 11> kinds{"box",     "plane", "half_space", "sphere",
+                                                 "nearest", "ids",   "set",        "cylinder",
+                                                 "and",     "or",    "not"};
   ObjectReader object(value, path, mistakes);
   if (const auto kind = object.one_of(kinds)) {
     const JsonValue& inner = *object.find(kinds[*kind]);
@@ -104,12 +134,57 @@ Selection read_selection(const JsonValue& value, const std::string& path, Mistak
       case 5:
         selection.what = read_ids(inner, inner_path, mistakes);
         break;
-      default:
+      case 6:
         selection.what = Selection::Named{read_string(inner, inner_path, mistakes).value_or("")};
+        break;
+      case 7:
+        selection.what = read_cylinder(reader());
+        break;
+      default: {
+        using How = Selection::Combined::How;
+        constexpr How hows[] = {How::all_of, How::any_of, How::none_of};
+        selection.what = read_combined(hows[*kind - 8], inner, inner_path, mistakes);
+      }
     }
   }
   object.finish();
   return selection;
+}
+
+/// Calls visit(name) for each set that a selection uses.
+void for_each_named(const Selection& selection,
+                    const std::function<void(const std::string&)>& visit) {
+  if (const auto* named = std::get_if<Selection::Named>(&selection.what)) visit(named->set);
+  if (const auto* combined = std::get_if<Selection::Combined>(&selection.what))
+    for (const Selection& part : combined->parts) for_each_named(part, visit);
+}
+
+/// The key "sets": {"NAME": selection, ...}.
+void read_sets(ObjectReader& top, Reading& reading) {
+  const JsonValue* value = top.find("sets");
+  if (value == nullptr) return;
+  if (value->kind != JsonValue::Kind::object) {
+    reading.mistakes.add(value->at, "/sets",
+                         "must be an object {\"NAME\": selection, ...}, is " + describe(*value));
+    return;
+  }
+  for (const JsonMember& member : value->members) {
+    const std::string path = child_path("/sets", member.key);
+    if (!is_good_name(member.key))
+      reading.mistakes.add(member.value.at, path,
+                           "the name of a set consists of letters, digits, '_', '-' and '.'");
+    reading.scene.sets.push_back(
+        {member.key, read_selection(member.value, path, reading.mistakes)});
+  }
+  const auto& sets = reading.scene.sets;
+  for (std::size_t i = 0; i < sets.size(); ++i)
+    for_each_named(sets[i].where, [&](const std::string& name) {
+      const auto used = std::ranges::find(sets, name, &NamedSelection::name);
+      if (used != sets.end() && used - sets.begin() >= std::ptrdiff_t(i))
+        reading.mistakes.add(value->members[i].value.at, sets[i].where.path,
+                             "uses the set " + quote(name) + ", which is defined " +
+                                 (sets[i].name == name ? "here" : "below; define it above"));
+    });
 }
 
 std::optional<Vec3> read_direction(ObjectReader& object, const std::string& key) {

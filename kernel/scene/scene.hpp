@@ -73,6 +73,12 @@ struct ModelUse {
   std::string path;
 };
 
+/// A set that a scene defines, of nodes or elements.
+struct NamedSelection {
+  std::string name;
+  Selection where;
+};
+
 struct Load {
   enum class Kind {
     force,
@@ -193,6 +199,7 @@ struct Scene {
   std::string text_that_counts;
   std::string hash;  ///< of it, and of a mesh that a program gives
   MeshSource mesh;
+  std::vector<NamedSelection> sets;  ///< each may use earlier ones
   std::vector<ModelUse> models;
   Vec3 gravity{};  ///< m/s^2
   TimeRamp gravity_ramp;

@@ -24,6 +24,7 @@ struct Reading {
   }
 };
 
+void read_sets(ObjectReader& top, Reading& reading);
 Selection read_selection(const JsonValue& value, const std::string& path, Mistakes& mistakes);
 /// Two selections of elements, the value of `key` in `object`.
 std::optional<std::array<Selection, 2>> read_two_regions(const JsonValue& value,

@@ -55,6 +55,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   const char* source = "where the elements come from";
   const JsonValue* mesh = reading.scene.mesh.given ? top.find("mesh") : top.require("mesh", source);
   if (mesh != nullptr) read_mesh(*mesh, reading);
+  read_sets(top, reading);
   read_models(top, reading);
   read_gravity(top, reading);
   read_constraints(top, reading);

@@ -27,6 +27,7 @@
 #include "kernel/contact/penalty_forces.hpp"
 #include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/enclosed_volumes.hpp"
+#include "kernel/forces/foundations.hpp"
 #include "kernel/forces/gravity.hpp"
 #include "kernel/forces/pressures.hpp"
 #include "kernel/geometry/centroid.hpp"
@@ -361,6 +362,19 @@ void BuiltScene::add_terms() {
   else
     add_pressures(std::make_unique<Pressures>(attributes), faces);
   add_volumes();
+  add_foundations();
+}
+
+void BuiltScene::add_foundations() {
+  if (scene_.foundations.empty()) return;
+  auto& foundations = body_.add(std::make_unique<Foundations>(body_.attributes()));
+  for (const Foundation& given : scene_.foundations) {
+    const FoundationLaw law{given.normal, given.tangential, given.damping};
+    if (is_embedded())
+      foundations.add(body_.complex(), selector_.surface_triangles(given.where), law);
+    else
+      foundations.add(body_.complex(), selector_.boundary_faces(given.where), law);
+  }
 }
 
 void BuiltScene::add_volumes() {

@@ -83,6 +83,7 @@ class BuiltScene {
   double shortest_edge(const std::vector<Index>& vertices);
   void add_terms();
   void add_volumes();
+  void add_foundations();
   std::string node_text(Index v);
   void add_contact(Diagnostics& diagnostics);
   void add_edges(Contact& contact);

@@ -17,13 +17,12 @@ class SelectionCheck {
     check_models(scene.models);
     for (const Constraint& constraint : scene.constraints) vertices(constraint.where);
     for (const InitialMotion& motion : scene.initial_motion) vertices(motion.where);
+    for (const Foundation& foundation : scene.foundations) surface(foundation.where);
     for (const Load& load : scene.loads) {
       if (load.kind == Load::Kind::force)
         vertices(load.where);
-      else if (selector_.has_parts())
-        attempt([&] { selector_.surface_triangles(load.where); });
       else
-        attempt([&] { selector_.boundary_faces(load.where); });
+        surface(load.where);
     }
     for (const FieldCondition& condition : scene.fields)
       if (condition.kind != FieldCondition::Kind::flux)
@@ -53,6 +52,14 @@ class SelectionCheck {
     attempt([&] { selector_.vertices(where); });
   }
 
+  void surface(const Selection& where) {
+    attempt([&] {
+      if (selector_.has_parts())
+        selector_.surface_triangles(where);
+      else
+        selector_.boundary_faces(where);
+    });
+  }
   /// A set has nodes or elements, and a name of its own.
   void check_set(const NamedSelection& set) {
     attempt([&] {

@@ -148,6 +148,7 @@ struct Translation {
     for (ModelUse& use : scene.models) (*this)(use);
     for (Constraint& constraint : scene.constraints) (*this)(constraint);
     for (InitialMotion& motion : scene.initial_motion) (*this)(motion);
+    for (Foundation& foundation : scene.foundations) (*this)(foundation.where);
     for (Load& load : scene.loads) (*this)(load.where);
     for (FieldCondition& condition : scene.fields) (*this)(condition.where);
     for (Obstacle& obstacle : scene.contact.obstacles) (*this)(obstacle);

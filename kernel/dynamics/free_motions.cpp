@@ -174,15 +174,21 @@ std::vector<FreePiece> find_free_pieces(const CellComplex& complex, Attributes& 
   return found;
 }
 
-bool models_allow_motion(Body& body, const FreePiece& piece, const std::array<bool, 3>& matters) {
+bool forces_allow_motion(Body& body, const FreePiece& piece, const std::array<bool, 3>& matters) {
   if (!body.models().has_tangent()) return false;
+  const std::vector<Index> pieces = pieces_of(body.complex(), body.attributes());
   const std::size_t size = 3 * std::size_t{body.attributes().vertex_count()};
   const auto largest_image = [&](auto value) {
     std::vector<double> direction(size), image(size);
     for (std::size_t i = 0; i < size; ++i) direction[i] = value(i);
     body.models().add_tangent(direction.data(), 1, 0, 0, image.data());
+    for_each_with<TangentTerm>(body.terms(), [&](TangentTerm& term) {
+      if (term.is_anchored()) term.add_tangent(direction.data(), 1, 0, 0, image.data());
+    });
     double largest = 0;
-    for (const double f : image) largest = std::max(largest, std::abs(f));
+    for (std::size_t i = 0; i < size; ++i)
+      if (i / 3 < pieces.size() && pieces[i / 3] == piece.number)
+        largest = std::max(largest, std::abs(image[i]));
     return largest;
   };
   const double stiff = largest_image([](std::size_t i) { return i * 7 % 5 < 2 ? 1.0 : -1.0; });
@@ -198,7 +204,7 @@ std::vector<FreePiece> find_unheld_pieces(Body& body) {
   const std::vector<double> no_forces(4 * std::size_t{body.attributes().vertex_count()});
   std::vector<FreePiece> pieces = find_free_pieces(body.complex(), body.attributes(), no_forces);
   std::erase_if(pieces, [&](const FreePiece& piece) {
-    return !models_allow_motion(body, piece, {true, true, true});
+    return !forces_allow_motion(body, piece, {true, true, true});
   });
   return pieces;
 }

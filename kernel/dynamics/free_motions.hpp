@@ -49,12 +49,12 @@ struct FreePiece {
 std::vector<FreePiece> find_free_pieces(const CellComplex& complex, Attributes& attributes,
                                         const std::vector<double>& force);
 
-/// Whether models leave the translations of a piece for which `matters[c]`: not those with springs
-/// to the ground.
-bool models_allow_motion(Body& body, const FreePiece& piece, const std::array<bool, 3>& matters);
+/// Whether models and foundations leave the translations of a piece for which `matters[c]`: springs
+/// to the ground do not. Costs 4 products with the tangent if there is one.
+bool forces_allow_motion(Body& body, const FreePiece& piece, const std::array<bool, 3>& matters);
 
-/// The pieces that neither constraints nor models hold. Costs 4 products with the tangent if there
-/// is one.
+/// The pieces that neither constraints nor models nor foundations hold. Costs 4 products with the
+/// tangent if there is one.
 std::vector<FreePiece> find_unheld_pieces(Body& body);
 
 }  // namespace suture

@@ -59,6 +59,8 @@ class TangentTerm {
   virtual bool is_stiff() const { return true; }
   /// False if add_tangent() cannot be called, as a model has no derivatives.
   virtual bool has_tangent() const { return true; }
+  /// True if it joins the body to the ground, so that it resists translations.
+  virtual bool is_anchored() const { return false; }
   /// True if the whole tangent on the free components is symmetric. False for pressures up to a
   /// free edge, and for models whose forces have no energy: the matrices of a sample of 24 cells
   /// per functor are computed at the current state.

@@ -87,6 +87,11 @@ class Inventory {
       }
     }
   }
+  std::string line_of(const Foundation& foundation) const {
+    const Area area = area_of(selector_.surface_triangles(foundation.where), rest_);
+    return text_of(area.size, "m^2, ") + text_of(area.size * foundation.normal, "N/m normal, ") +
+           text_of(area.size * foundation.tangential, "N/m tangential");
+  }
   std::vector<std::string> lines() const {
     std::vector<std::string> lines;
     for (const NamedSelection& set : scene_.sets) lines.push_back(line_of(set));
@@ -95,6 +100,8 @@ class Inventory {
       for (std::size_t m = 0; m < regions.size(); ++m)
         if (!scene_.models[m].between) lines.push_back(line_of(scene_.models[m], regions[m]));
     }
+    for (std::size_t i = 0; i < scene_.foundations.size(); ++i)
+      lines.push_back("foundation " + std::to_string(i) + ": " + line_of(scene_.foundations[i]));
     for (std::size_t i = 0; i < scene_.loads.size(); ++i)
       lines.push_back("load " + std::to_string(i) + ": " + line_of(scene_.loads[i]));
     return lines;

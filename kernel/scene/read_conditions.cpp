@@ -131,6 +131,22 @@ void read_initial_motion(ObjectReader& top, Reading& reading) {
   });
 }
 
+void read_foundations(ObjectReader& top, Reading& reading) {
+  for_each_object(top, "foundations", "foundations", [&](ObjectReader& object) {
+    Foundation foundation;
+    const auto read = [&](const char* key, const char* unit) {
+      return object.number(key, Limits::not_negative(unit)).value_or(0);
+    };
+    foundation.normal = read("normal", "Pa/m");
+    foundation.tangential = read("tangential", "Pa/m");
+    foundation.damping = read("damping", "Pa s/m");
+    if (foundation.normal + foundation.tangential + foundation.damping == 0)
+      object.complain("needs 'normal' or 'tangential', stiffness in Pa/m, or 'damping', in Pa s/m");
+    foundation.where = require_where(object, "the faces that it supports");
+    reading.scene.foundations.push_back(std::move(foundation));
+  });
+}
+
 void read_loads(ObjectReader& top, Reading& reading) {
   for_each_object(top, "loads", "loads", [&](ObjectReader& object) { read_load(object, reading); });
 }

@@ -79,6 +79,13 @@ struct NamedSelection {
   Selection where;
 };
 
+/// Springs and dampers between faces and the ground (kernel/forces/foundations.hpp).
+struct Foundation {
+  double normal = 0, tangential = 0;  ///< Pa/m
+  double damping = 0;                 ///< Pa s/m
+  Selection where;
+};
+
 struct Load {
   enum class Kind {
     force,
@@ -205,6 +212,7 @@ struct Scene {
   TimeRamp gravity_ramp;
   std::vector<Constraint> constraints;
   std::vector<InitialMotion> initial_motion;
+  std::vector<Foundation> foundations;
   std::vector<Load> loads;
   std::vector<FieldCondition> fields;
   ContactOptions contact;

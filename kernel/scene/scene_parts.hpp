@@ -88,6 +88,7 @@ std::uint8_t read_components(ObjectReader& object, const char* key);
 void read_motion(ObjectReader& object, Reading& reading, Constraint& constraint);
 void read_gravity(ObjectReader& top, Reading& reading);
 void read_initial_motion(ObjectReader& top, Reading& reading);
+void read_foundations(ObjectReader& top, Reading& reading);
 void read_constraints(ObjectReader& top, Reading& reading);
 void read_loads(ObjectReader& top, Reading& reading);
 void read_solver(const JsonValue& value, Reading& reading);

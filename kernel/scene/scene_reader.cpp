@@ -60,6 +60,7 @@ void read_top(const JsonValue& root, Reading& reading) {
   read_gravity(top, reading);
   read_constraints(top, reading);
   read_initial_motion(top, reading);
+  read_foundations(top, reading);
   read_loads(top, reading);
   const JsonValue* solver = top.require("solver", "how to run, and for how long");
   if (solver != nullptr) read_solver(*solver, reading);
@@ -67,6 +68,9 @@ void read_top(const JsonValue& root, Reading& reading) {
     top.complain("initial_motion",
                  "an equilibrium has no velocity: remove it, or replace /solver/static by an "
                  "integrator");
+  if (!reading.scene.foundations.empty() && reading.scene.solver.integrator == "xpbd")
+    top.complain("foundations",
+                 "\"xpbd\" knows stiffness of models only; choose another integrator");
   read_field_conditions(top, reading);
   read_contact(top, reading);
   reading.scene.is_divisible = top.boolean("divisible").value_or(false);

@@ -47,9 +47,9 @@ std::string resultant_text(const FreePiece& piece) {
 }
 
 /// The translations along which it is pushed.
-bool models_allow_motion(BuiltScene& built, const FreePiece& piece) {
+bool forces_allow_motion(BuiltScene& built, const FreePiece& piece) {
   const Vec3& f = piece.force;
-  return suture::models_allow_motion(built.body(), piece, {f[0] != 0, f[1] != 0, f[2] != 0});
+  return suture::forces_allow_motion(built.body(), piece, {f[0] != 0, f[1] != 0, f[2] != 0});
 }
 
 }  // namespace
@@ -59,7 +59,7 @@ void check_free_bodies(const Scene& scene, BuiltScene& built, Diagnostics& diagn
   for (const FreePiece& piece : pieces) {
     if (!piece.is_pushed() || scene.solver.end || !scene.events.empty()) continue;
     if (built.body().contact()) continue;  // an obstacle may hold it
-    if (!models_allow_motion(built, piece)) continue;
+    if (!forces_allow_motion(built, piece)) continue;
     throw InputError(
         "/constraints: " + describe(piece) + ", and " + resultant_text(piece) +
         ", so it never comes to rest; constrain it, balance the loads, or give /solver/end");
@@ -100,7 +100,7 @@ std::string describe_falling_body(const Scene& scene, BuiltScene& built) {
   for (const Event& event : scene.events)
     if (event.finish() > built.dynamics().time()) return "";
   for (const FreePiece& piece : free_pieces(scene, built))
-    if (piece.is_pushed() && models_allow_motion(built, piece))
+    if (piece.is_pushed() && forces_allow_motion(built, piece))
       return describe(piece) + ", and " + resultant_text(piece);
   return "";
 }

@@ -132,6 +132,10 @@ TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
        "that of a 'spin'"},
       {R"(/initial_motion=[{"where": {"set": "x2"}, "spin": [1, 0, 0]}])", 3, "x2"},
       {R"(/initial_motion=[{"where": "all", "speed": [1, 0, 0]}])", 3, "speed"},
+      {R"(/foundations=[{"where": {"set": "x0"}}])", 3, "needs 'normal' or 'tangential'"},
+      {R"(/foundations=[{"where": {"set": "x0"}, "normal": -1}])", 3, "/foundations/0/normal"},
+      {R"(/foundations=[{"where": {"ids": [1]}, "normal": 1}])", 3, "no boundary face"},
+      {R"(/foundations=[{"normal": 1}])", 3, "/foundations/0: needs 'where'"},
       {"/constraints=[{\"fix\": \"xyz\", \"where\": {\"sphere\": {\"centre\": [9, 9, 9], "
        "\"radius\": 1}}}]",
        3, "/constraints/0/where"},

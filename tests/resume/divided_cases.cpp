@@ -139,6 +139,11 @@ Case divided(Random& random, unsigned index) {
         {{"every", 5},
          {"tear", {{"by", "principal-strain"}, {"above", random.between(0.01, 0.1)}}}});
   if (random.chance(0.2)) add_many_cuts(scene["events"], random, end);
+  if (random.chance(0.2))
+    scene["foundations"] = {{{"where", {{"set", random.chance(0.5) ? "y0" : "x1"}}},
+                             {"normal", random.decades(1e3, 1e6)},
+                             {"tangential", 1e4},
+                             {"damping", random.chance(0.5) ? 100 : 0}}};
   if (random.chance(0.25)) add_grasp(scene["events"], random, end);
   if (index % 3 == 0) scene["debris"] = {{"below", 0.7}};
   if (index % 4 == 0)  // is skipped

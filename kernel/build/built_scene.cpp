@@ -347,15 +347,15 @@ void BuiltScene::add_terms() {
     if (load.kind == Load::Kind::force)
       dead.add_force(complex, selector_.vertices(load.where), load.value, load.ramp);
     else if (load.kind == Load::Kind::traction && !is_embedded())
-      dead.add_traction(complex, faces(load), load.value, load.ramp);
+      dead.add_traction(complex, faces(load), load.value, load.ramp, load.profile);
     else if (load.kind == Load::Kind::traction)
-      dead.add_surface_traction(complex, triangles(load), load.value, load.ramp);
+      dead.add_surface_traction(complex, triangles(load), load.value, load.ramp, load.profile);
   }
   const auto add_pressures = [&](auto pressures, const auto& where) {
     auto& added = body_.add(std::move(pressures));
     for (const Load& load : scene_.loads)
       if (load.kind == Load::Kind::pressure)
-        added.add(complex, where(load), load.pressure, load.ramp);
+        added.add(complex, where(load), load.pressure, load.ramp, load.profile);
   };
   if (is_embedded())
     add_pressures(std::make_unique<SurfacePressures>(attributes), triangles);

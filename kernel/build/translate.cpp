@@ -108,6 +108,10 @@ struct Translation {
     if (constraint.angle != 0 || constraint.path.turns())
       (*this)(constraint.centre);  // else far away for nothing
   }
+  void operator()(Load& load) const {
+    (*this)(load.where);
+    for (auto& point : load.profile.points) point[0] -= dot(frame.origin, load.profile.along);
+  }
   void operator()(InitialMotion& motion) const {
     (*this)(motion.where);
     (*this)(motion.centre);
@@ -149,7 +153,7 @@ struct Translation {
     for (Constraint& constraint : scene.constraints) (*this)(constraint);
     for (InitialMotion& motion : scene.initial_motion) (*this)(motion);
     for (Foundation& foundation : scene.foundations) (*this)(foundation.where);
-    for (Load& load : scene.loads) (*this)(load.where);
+    for (Load& load : scene.loads) (*this)(load);
     for (FieldCondition& condition : scene.fields) (*this)(condition.where);
     for (Obstacle& obstacle : scene.contact.obstacles) (*this)(obstacle);
     for (Event& event : scene.events) (*this)(event);

@@ -21,33 +21,36 @@ Quad rest_corners(const RestPlaces& rest, Dart face) {
   return x;
 }
 
-/// Integral of N_a over the area, per corner. Four points: exact for
-/// parallelograms, where the area element is constant.
-std::array<double, 4> corner_areas(const Quad& x) {
+/// Integral of N_a times the profile over the area, per corner. Four points: exact for
+/// parallelograms, where the area element is constant, and a linear profile.
+std::array<double, 4> corner_areas(const Quad& x, const LoadProfile& profile = {}) {
   std::array<double, 4> areas{};
   for_each_point(x, [&](const QuadPoint& point) {
     const Vec3 normal = point.normal();
     const double area =
-        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / 4;
+        std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / 4 *
+        profile(point.place(x));
     for (std::size_t a = 0; a < 4; ++a) areas[a] += point.n[a] * area;
   });
   return areas;
 }
 
-/// Integral of N_a over the area of a triangle at rest, per node of its element.
+/// Integral of N_a times the profile over the area of a triangle at rest, per node of its element.
 std::array<double, hexahedron::vertices> node_areas(const RestPlaces& rest,
-                                                    const SurfaceTriangle& triangle) {
+                                                    const SurfaceTriangle& triangle,
+                                                    const LoadProfile& profile) {
   std::array<double, hexahedron::vertices> areas{};
   for (const TrianglePoint& point : quadrature_points(triangle)) {
-    Vec3 x_r{}, x_s{};
+    Vec3 place{}, x_r{}, x_s{};
     for (std::size_t a = 0; a < hexahedron::vertices; ++a) {
       const double* x = rest.corner(triangle.element, static_cast<unsigned>(a));
       for (std::size_t c = 0; c < 3; ++c) {
+        place[c] += point.n[a] * x[c];
         x_r[c] += point.n_r[a] * x[c];
         x_s[c] += point.n_s[a] * x[c];
       }
     }
-    const double area = point.weight * norm(cross(x_r, x_s));
+    const double area = point.weight * norm(cross(x_r, x_s)) * profile(place);
     for (std::size_t a = 0; a < hexahedron::vertices; ++a) areas[a] += point.n[a] * area;
   }
   return areas;
@@ -148,13 +151,14 @@ void DeadLoads::add_force(const CellComplex& complex, std::span<const Index> ver
 }
 
 void DeadLoads::add_traction(const CellComplex& complex, std::span<const Dart> faces,
-                             const Vec3& traction, const TimeRamp& ramp) {
+                             const Vec3& traction, const TimeRamp& ramp,
+                             const LoadProfile& profile) {
   if (faces.empty()) throw InputError("a traction acts on no face; select at least one");
   const RestPlaces rest = attributes_.rest_places(complex);
   Load load;
   load.ramp = ramp;
   for (const Dart face : faces) {
-    const auto areas = corner_areas(rest_corners(rest, face));
+    const auto areas = corner_areas(rest_corners(rest, face), profile);
     const auto& local = suture_hexahedron_faces[local_face(face)];
     for (std::size_t a = 0; a < 4; ++a)
       load.corners.push_back(
@@ -169,12 +173,14 @@ void DeadLoads::add_traction(const CellComplex& complex, std::span<const Dart> f
 
 void DeadLoads::add_surface_traction(const CellComplex& complex,
                                      std::span<const SurfaceTriangle> triangles,
-                                     const Vec3& traction, const TimeRamp& ramp) {
+                                     const Vec3& traction, const TimeRamp& ramp,
+                                     const LoadProfile& profile) {
   if (triangles.empty()) throw InputError("a traction acts on no triangle; select at least one");
   const RestPlaces rest = attributes_.rest_places(complex);
   Load load;
   load.ramp = ramp;
   load.traction = traction;
+  load.profile = profile;
   add_corners(load, triangles, rest);
   sum_corners(load, rest);
   loads_.push_back(std::move(load));
@@ -183,7 +189,7 @@ void DeadLoads::add_surface_traction(const CellComplex& complex,
 void DeadLoads::add_corners(Load& load, std::span<const SurfaceTriangle> triangles,
                             const RestPlaces& rest) const {
   for (const SurfaceTriangle& triangle : triangles) {
-    const auto areas = node_areas(rest, triangle);
+    const auto areas = node_areas(rest, triangle, load.profile);
     for (std::uint32_t a = 0; a < hexahedron::vertices; ++a)
       if (areas[a] != 0)
         load.corners.push_back({triangle.element, a, scaled(areas[a], load.traction)});

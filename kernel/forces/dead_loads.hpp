@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
+#include "kernel/forces/load_profile.hpp"
 #include "kernel/forces/term_capabilities.hpp"
 #include "kernel/forces/time_ramp.hpp"
 #include "kernel/parts/surface_triangle.hpp"
@@ -30,10 +31,11 @@ class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
   /// Force per rest area (Pa) on faces. `faces`: any dart of each, on the side of the element
   /// that carries it. Throws InputError for no faces.
   void add_traction(const CellComplex& complex, std::span<const Dart> faces, const Vec3& traction,
-                    const TimeRamp& ramp);
+                    const TimeRamp& ramp, const LoadProfile& profile = {});
   /// The same on triangles of an embedded surface. It follows cuts along blades.
   void add_surface_traction(const CellComplex& complex, std::span<const SurfaceTriangle> triangles,
-                            const Vec3& traction, const TimeRamp& ramp);
+                            const Vec3& traction, const TimeRamp& ramp,
+                            const LoadProfile& profile = {});
 
   const char* name() const override { return "loads"; }
   /// O(loaded vertices).
@@ -73,6 +75,7 @@ class DeadLoads final : public ForceTerm, public EnergyTerm, public WorkTerm {
     TimeRamp ramp;
     // A traction on triangles that may be divided.
     Vec3 traction{};  ///< Pa
+    LoadProfile profile{};
     std::vector<SurfaceTriangle> triangles;
   };
   struct Booked {

@@ -7,16 +7,29 @@ namespace suture {
 
 // -------------------------------------------------------------------- faces --
 
-std::vector<PressedFace> PressedFace::all(const CellComplex&, std::span<const Dart> faces) {
+std::vector<PressedFace> PressedFace::all(const RestPlaces& rest, std::span<const Dart> faces,
+                                          const LoadProfile& profile) {
   std::vector<PressedFace> all;
-  for (const Dart face : faces) all.push_back({face});
+  for (const Dart face : faces) {
+    const auto& corners = suture_hexahedron_faces[local_face(face)];
+    const HexahedronNodes nodes = rest.of(element_of(face));
+    all.push_back({face});
+    for (std::size_t a = 0; a < node_count; ++a) all.back().factors[a] = profile(nodes[corners[a]]);
+  }
   return all;
 }
 
+/// sum N_a factor_a / 4
+static double weight_of(const PressedFace& face, const QuadPoint& point) {
+  double factor = 0;
+  for (std::size_t a = 0; a < face.factors.size(); ++a) factor += point.n[a] * face.factors[a];
+  return factor / 4;
+}
+
 PressedFace::Positions PressedFace::forces(const Positions& x, double pressure) const {
-  const double p = pressure / 4;
   Positions forces{};
   for_each_point(x, [&](const QuadPoint& point) {
+    const double p = pressure * weight_of(*this, point);
     const Vec3 inward = point.normal();
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t c = 0; c < 3; ++c) forces[a][c] += p * point.n[a] * inward[c];
@@ -27,16 +40,18 @@ PressedFace::Positions PressedFace::forces(const Positions& x, double pressure) 
 PressedFace::Arms PressedFace::arms(const Positions& x) const {
   Arms w{};
   for_each_point(x, [&](const QuadPoint& p) {
+    const double weight = weight_of(*this, p);
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = 0; b < 4; ++b)
         for (std::size_t c = 0; c < 3; ++c)
-          w[a][b][c] += p.n[a] / 4 * (p.x_r[c] * p.n_s[b] - p.x_s[c] * p.n_r[b]);
+          w[a][b][c] += weight * p.n[a] * (p.x_r[c] * p.n_s[b] - p.x_s[c] * p.n_r[b]);
   });
   return w;
 }
 
 void PressedFace::state(Archive& archive, std::vector<PressedFace>& faces) {
-  archive.rows<Dart>("faces", faces);
+  archive.member("faces", faces, &PressedFace::face);
+  archive.member("factors", faces, &PressedFace::factors);
 }
 
 // -------------------------------------------------------------------- parts --
@@ -53,14 +68,20 @@ void for_each_pair(Visit visit) {
 }
 
 /// A normal that points inward takes r and s the other way round.
-void add_products(PressedPart& part, const SurfaceTriangle& triangle) {
-  for (const TrianglePoint& point : quadrature_points(triangle))
+void add_products(PressedPart& part, const SurfaceTriangle& triangle, const RestPlaces& rest,
+                  const LoadProfile& profile) {
+  const HexahedronNodes nodes = rest.of(triangle.element);
+  for (const TrianglePoint& point : quadrature_points(triangle)) {
+    Vec3 place{};
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+      place = plus(place, scaled(point.n[a], nodes[a]));
+    const double weight = point.weight * profile(place);
     for_each_pair([&](std::size_t pair, std::size_t b, std::size_t c) {
-      const double product =
-          point.weight * (point.n_s[b] * point.n_r[c] - point.n_r[b] * point.n_s[c]);
+      const double product = weight * (point.n_s[b] * point.n_r[c] - point.n_r[b] * point.n_s[c]);
       for (std::size_t a = 0; a < PressedPart::node_count; ++a)
         part.products[a][pair] += point.n[a] * product;
     });
+  }
 }
 
 PressedPart::Positions relative(const PressedPart::Positions& x) {
@@ -71,13 +92,14 @@ PressedPart::Positions relative(const PressedPart::Positions& x) {
 
 }  // namespace
 
-std::vector<PressedPart> PressedPart::all(const CellComplex&,
-                                          std::span<const SurfaceTriangle> triangles) {
+std::vector<PressedPart> PressedPart::all(const RestPlaces& rest,
+                                          std::span<const SurfaceTriangle> triangles,
+                                          const LoadProfile& profile) {
   std::map<Index, PressedPart> parts;
   for (const SurfaceTriangle& triangle : triangles) {
     PressedPart& part = parts[triangle.element];
     part.element = triangle.element;
-    add_products(part, triangle);
+    add_products(part, triangle, rest, profile);
   }
   std::vector<PressedPart> all;
   for (const auto& [element, part] : parts) all.push_back(part);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernel/base/archive.hpp"
+#include "kernel/forces/load_profile.hpp"
 #include "kernel/forces/quad.hpp"
 #include "kernel/parts/surface_triangle.hpp"
 
@@ -24,8 +25,10 @@ struct PressedFace {
   using Arms = std::array<std::array<Vec3, node_count>, node_count>;
 
   Dart face;
+  std::array<double, node_count> factors{1, 1, 1, 1};  ///< of the pressure at the nodes
 
-  static std::vector<PressedFace> all(const CellComplex& complex, std::span<const Dart> faces);
+  static std::vector<PressedFace> all(const RestPlaces& rest, std::span<const Dart> faces,
+                                      const LoadProfile& profile);
   std::array<Index, node_count> nodes(const CellComplex& complex) const {
     return face_nodes(complex, face);
   }
@@ -46,11 +49,13 @@ struct PressedPart {
   using Arms = std::array<std::array<Vec3, node_count>, node_count>;
 
   Index element;
-  /// By node a and pair (b, c): integral of N_a (dN_b/dr dN_c/ds - dN_b/ds dN_c/dr) dr ds.
+  /// By node a and pair (b, c): integral of N_a (dN_b/dr dN_c/ds - dN_b/ds dN_c/dr) dr ds, times
+  /// the profile.
   std::array<std::array<double, pair_count>, node_count> products{};
 
-  static std::vector<PressedPart> all(const CellComplex& complex,
-                                      std::span<const SurfaceTriangle> triangles);
+  static std::vector<PressedPart> all(const RestPlaces& rest,
+                                      std::span<const SurfaceTriangle> triangles,
+                                      const LoadProfile& profile);
   std::array<Index, node_count> nodes(const CellComplex& complex) const {
     return complex.vertices_of(element);
   }

@@ -26,9 +26,10 @@ Vec3 part_of(const Arms& w, std::size_t a, std::size_t b, double sign) {
 
 template <class Face>
 void PressuresOn<Face>::add(const CellComplex& complex, std::span<const typename Face::Given> faces,
-                            double pressure, const TimeRamp& ramp) {
+                            double pressure, const TimeRamp& ramp, const LoadProfile& profile) {
   if (faces.empty()) throw InputError("a pressure acts on no face; select at least one");
-  Load load{pressure, Face::all(complex, faces), {}, ramp, {}, {}};
+  const RestPlaces rest = attributes_.rest_places(complex);
+  Load load{pressure, Face::all(rest, faces, profile), {}, ramp, {}, {}, profile};
   for (const Face& face : load.faces) load.nodes.push_back(face.nodes(complex));
   if (may_be_divided()) load.given.assign(faces.begin(), faces.end());
   loads_.push_back(std::move(load));
@@ -224,7 +225,8 @@ void PressuresOn<Face>::load_copies(Load& load, const CellComplex& complex,
                                     std::span<const Split> copies) const {
   if constexpr (Face::may_be_divided) {
     const auto given = triangles_of_copies(load.given, *attributes_.parts().copies(), copies);
-    const std::vector<Face> added = Face::all(complex, given);
+    const std::vector<Face> added =
+        Face::all(attributes_.rest_places(complex), given, load.profile);
     load.faces.insert(load.faces.end(), added.begin(), added.end());
     load.given.insert(load.given.end(), given.begin(), given.end());
     std::erase_if(load.given, [&](const SurfaceTriangle& triangle) {

@@ -45,7 +45,7 @@ class PressuresOn final : public ForceTerm,
 
   /// Pa, positive inward. Throws InputError for no faces.
   void add(const CellComplex& complex, std::span<const typename Face::Given> faces, double pressure,
-           const TimeRamp& ramp);
+           const TimeRamp& ramp, const LoadProfile& profile = {});
   /// Changes that of a load that was added.
   void set(std::size_t load, double pressure) { loads_[load].pressure = pressure; }
 
@@ -88,6 +88,7 @@ class PressuresOn final : public ForceTerm,
     TimeRamp ramp;
     std::vector<Booked> booked;                 ///< by face, at the last step
     std::vector<typename Face::Given> given{};  ///< kept where it may be divided
+    LoadProfile profile{};
   };
   /// visit(load, face number, forces on its nodes) for each face of all loads that is `wanted`, by
   /// its nodes.

@@ -27,6 +27,11 @@ struct QuadPoint {
   std::array<double, 4> n, n_r, n_s;  ///< shape functions and their derivatives
   Vec3 x_r{}, x_s{};                  ///< dx/dr and dx/ds
   Vec3 normal() const { return cross(x_r, x_s); }
+  Vec3 place(const Quad& x) const {
+    Vec3 sum{};
+    for (std::size_t a = 0; a < 4; ++a) sum = plus(sum, scaled(n[a], x[a]));
+    return sum;
+  }
 };
 
 /// visit(point) at the 2 x 2 Gauss points of a face; weights 1/4.

@@ -25,24 +25,28 @@ std::string text_of(const Vec3& v) {
   return text.str();
 }
 
-/// The sum of the area vectors, outward, and of their magnitudes, m^2.
+/// The sums of the area vectors, outward, and of their magnitudes, both times the profile of a
+/// load, and the whole area, m^2.
 struct Area {
   Vec3 vector{};
-  double size = 0;
+  double weighted = 0, size = 0;
 };
 
-Area area_of(const std::vector<SurfaceTriangle>& triangles, const RestPlaces& rest) {
+Area area_of(const std::vector<SurfaceTriangle>& triangles, const RestPlaces& rest,
+             const LoadProfile& profile = {}) {
   Area area;
   for (const SurfaceTriangle& triangle : triangles) {
     const HexahedronNodes nodes = rest.of(triangle.element);
     for (const TrianglePoint& point : quadrature_points(triangle)) {
-      Vec3 along_r{}, along_s{};
+      Vec3 place{}, along_r{}, along_s{};
       for (std::size_t a = 0; a < nodes.size(); ++a) {
+        place = plus(place, scaled(point.n[a], nodes[a]));
         along_r = plus(along_r, scaled(point.n_r[a], nodes[a]));
         along_s = plus(along_s, scaled(point.n_s[a], nodes[a]));
       }
       const Vec3 part = scaled(point.weight, cross(along_r, along_s));
-      area.vector = plus(area.vector, part);
+      area.vector = plus(area.vector, scaled(profile(place), part));
+      area.weighted += profile(place) * norm(part);
       area.size += norm(part);
     }
   }
@@ -76,12 +80,12 @@ class Inventory {
       case Load::Kind::volume:
         return text_of(load.pressure, "Pa per relative change of the volume");
       case Load::Kind::traction: {
-        const Area area = area_of(selector_.surface_triangles(load.where), rest_);
+        const Area area = area_of(selector_.surface_triangles(load.where), rest_, load.profile);
         return text_of(norm(load.value), "Pa on ") + text_of(area.size, "m^2, ") +
-               text_of(scaled(area.size, load.value)) + " in total";
+               text_of(scaled(area.weighted, load.value)) + " in total";
       }
       default: {
-        const Area area = area_of(selector_.surface_triangles(load.where), rest_);
+        const Area area = area_of(selector_.surface_triangles(load.where), rest_, load.profile);
         return text_of(load.pressure, "Pa on ") + text_of(area.size, "m^2, ") +
                text_of(scaled(-load.pressure, area.vector)) + " in total";
       }

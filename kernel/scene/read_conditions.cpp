@@ -33,6 +33,44 @@ void read_constraint(ObjectReader& object, Reading& reading) {
   reading.scene.constraints.push_back(std::move(constraint));
 }
 
+/// [[s, factor], ...], s in m.
+std::vector<std::array<double, 2>> read_profile_points(const JsonValue& value,
+                                                       const std::string& path,
+                                                       Mistakes& mistakes) {
+  std::vector<std::array<double, 2>> points;
+  const auto* items = read_array(value, path, "pairs [coordinate, factor]", mistakes);
+  for (std::size_t i = 0; items != nullptr && i < items->size(); ++i) {
+    const JsonValue& item = (*items)[i];
+    const std::string at = child_path(path, i);
+    if (item.kind != JsonValue::Kind::array || item.items.size() != 2) {
+      mistakes.add(item.at, at, "must be a coordinate in m and a factor, is " + describe(item));
+      continue;
+    }
+    const auto s = read_number(item.items[0], child_path(at, 0), Limits::any("m"), mistakes);
+    const auto factor = read_number(item.items[1], child_path(at, 1), Limits::any("1"), mistakes);
+    if (s && !points.empty() && *s <= points.back()[0])
+      mistakes.add(item.at, at, "must have a larger coordinate than the pair before");
+    points.push_back({s.value_or(0), factor.value_or(1)});
+  }
+  if (items != nullptr && items->size() < 2)
+    mistakes.add(value.at, path, "needs two pairs or more");
+  return points;
+}
+
+/// {"along": direction, "values": [[s, factor], ...]}
+LoadProfile read_profile(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
+  LoadProfile profile;
+  ObjectReader object(value, path, mistakes);
+  object.require("along", "the direction [x, y, z] in which the load varies");
+  profile.along = read_direction(object, "along").value_or(Vec3{0, 0, 1});
+  profile.along = scaled(1 / norm(profile.along), profile.along);
+  const JsonValue* values = object.require("values", "points [[m, factor], ...]");
+  if (values != nullptr)
+    profile.points = read_profile_points(*values, object.path_of("values"), mistakes);
+  object.finish();
+  return profile;
+}
+
 void read_load(ObjectReader& object, Reading& reading) {
   Load load;
   static const std::array<std::string, 4> kinds{"force", "traction", "pressure", "volume"};
@@ -51,6 +89,11 @@ void read_load(ObjectReader& object, Reading& reading) {
     load.pressure = object.number("volume", Limits::positive("Pa")).value_or(0);
   }
   load.ramp = optional_ramp(object);
+  if (const JsonValue* profile = object.find("profile")) {
+    load.profile = read_profile(*profile, object.path_of("profile"), object.mistakes());
+    if (load.kind != Load::Kind::traction && load.kind != Load::Kind::pressure)
+      object.complain("profile", "is only allowed with 'traction' and 'pressure'");
+  }
   load.where = require_where(object, "the loaded nodes");
   reading.scene.loads.push_back(std::move(load));
 }

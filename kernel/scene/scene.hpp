@@ -12,6 +12,7 @@
 #include "kernel/base/types.hpp"
 #include "kernel/dynamics/motion_path.hpp"
 #include "kernel/dynamics/step_budget.hpp"
+#include "kernel/forces/load_profile.hpp"
 #include "kernel/forces/time_ramp.hpp"
 #include "kernel/geometry/obstacle.hpp"
 #include "kernel/images/label_image.hpp"
@@ -96,6 +97,7 @@ struct Load {
   Kind kind = Kind::force;
   Vec3 value{};
   double pressure = 0;
+  LoadProfile profile;  ///< of a traction or a pressure
   Selection where;
   TimeRamp ramp;
 };

@@ -147,6 +147,26 @@ TEST_F(Pressed, TheTangentOnAClosedSurfaceIsTheDerivative) {
   EXPECT_TRUE(pressures.is_conservative(9));
 }
 
+// Archimedes: a pressure that is linear in the place lifts a body by its gradient times the volume.
+TEST_F(Pressed, AProfileLiftsAtRestByItsGradientTimesTheVolume) {
+  const Vec3 along{0.6, 0, 0.8};
+  pressures.add(body.complex(), boundary_faces(body), 50, {}, {along, {{-1, 10}, {3, -30}}});
+  const Vec3 f = sum(forces());
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(f[c], 500 * along[c] * volume(body), 1e-12);
+}
+
+TEST_F(Pressed, WithAProfileTheTangentIsTheDerivative) {
+  pressures.add(body.complex(), boundary_faces(body), 1000, {1, 3, false},
+                {{0, 0, 1}, {{0, 2}, {0.13, 0.5}, {0.2, 1}}});
+  body.shake(0.02, 7);
+  const std::vector<double> d = random_direction(1), expected = difference(d);
+  std::vector<double> image = product(d);
+  pressures.add_skew_tangent(d.data(), 1, 9, image.data());
+  ASSERT_GT(dot_of(expected, expected), 1);
+  for (std::size_t i = 0; i < d.size(); ++i) EXPECT_NEAR(image[i], expected[i], 1e-6) << i;
+  EXPECT_FALSE(pressures.is_conservative(9)) << "it does not follow the place";
+}
+
 TEST_F(Pressed, TheTangentUpToAFreeEdgeIsTheSymmetricPart) {
   pressures.add(body.complex(), end(), 1000, {});
   body.shake(0.02, 8);

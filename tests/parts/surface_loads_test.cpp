@@ -221,6 +221,33 @@ TEST_F(Shaken, FollowsSplitsAndRemovalsAndIsSaved) {
   EXPECT_EQ(forces_of_term(body, loaded, 0), fewer);
 }
 
+// Archimedes, and the same profile of a traction: the area times the factor at the centroid.
+TEST(SurfaceLoads, FollowAProfile) {
+  const Vec3 along{0.6, 0, 0.8};
+  const LoadProfile profile{along, {{-2, 6}, {2, -2}}};  // 2 - 2 s
+  Filled body(turned(test::box_surface({}, {1, 0.7, 0.8}), 0.4), 0.15);
+  auto& pressures = body.add(std::make_unique<SurfacePressures>(body.attributes()));
+  pressures.add(body.complex(), body.triangles, 50, {}, profile);
+  Vec3 lift{}, force{}, expected{};
+  for (const Vec3& f : forces_of_term(body, pressures, 0)) lift = plus(lift, f);
+  double volume = 0;
+  const RestPlaces rest = body.attributes().rest_places(body.complex());
+  for (Index e = 0; e < body.complex().element_count(); ++e) volume += rest.volume(e);
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(lift[c], 100 * along[c] * volume, 1e-11);
+  auto& loads = body.add(std::make_unique<DeadLoads>(body.attributes()));
+  loads.add_surface_traction(body.complex(), body.triangles, {0, 7, 0}, {}, profile);
+  for (const Vec3& f : forces_of_term(body, loads, 0)) force = plus(force, f);
+  for (Index t = 0; t < body.triangles.size(); ++t) {
+    Vec3 centroid{};
+    for (const Index corner : body.embedding.triangles[t])
+      for (std::size_t c = 0; c < 3; ++c)
+        centroid[c] +=
+            body.embedding.points.value(corner, body.attributes().rest().rows(), 4, c) / 3;
+    expected[1] += 7 * norm(body.area(t)) * profile(centroid);
+  }
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(force[c], expected[c], 1e-11);
+}
+
 // Tractions P N on the whole surface are in balance with the stress P of a uniform gradient: every
 // node inside and outside the material is, up to rounding.
 TEST(SurfaceLoads, PassThePatchTest) {

@@ -20,10 +20,11 @@ void prescribe(const FieldCondition& condition, const std::vector<Index>& vertic
                    "; select other nodes, or remove one of the two");
 }
 
-void add_flow(const FieldCondition& condition, const Selector& selector, Body& body,
+/// Into nodes or faces: `amount` of a component.
+void add_flow(const FieldCondition& condition, double amount, const Selector& selector, Body& body,
               DeadLoads& flows) {
   Vec3 value{};
-  value[condition.component] = condition.value;
+  value[condition.component] = amount;
   if (condition.kind == Kind::source)
     flows.add_force(body.complex(), selector.vertices(condition.where), value, condition.ramp);
   else if (selector.has_parts() || body.attributes().parts().may_grow())
@@ -56,7 +57,7 @@ void require_changes(const FieldCondition& condition, const Selector& selector, 
         for (const Index v : body.complex().vertices_of(e)) is_changed[v] = true;
   }
   DeadLoads alone(attributes);
-  add_flow(condition, selector, body, alone);
+  add_flow(condition, condition.value, selector, body, alone);
   std::vector<double> rows(is_changed.size() * 4);
   alone.add_forces(condition.ramp.to, attributes.kernel(0).cells.live(), rows.data());
   for (Index v = 0; v < is_changed.size(); ++v)
@@ -70,9 +71,13 @@ void require_changes(const FieldCondition& condition, const Selector& selector, 
 void add(const FieldCondition& condition, const Selector& selector, Body& body,
          const std::function<std::string(Index)>& name) {
   FieldEquation& equation = body.field(condition.field);
-  if (condition.kind == Kind::flux || condition.kind == Kind::source) {
+  if (condition.kind >= Kind::flux) {
     require_changes(condition, selector, body, name);
-    return add_flow(condition, selector, body, equation.fluxes());
+    const double outside = condition.kind == Kind::film ? condition.outside : 1;
+    add_flow(condition, condition.value * outside, selector, body, equation.fluxes());
+    if (condition.kind == Kind::film)
+      add_flow(condition, condition.value, selector, body, equation.film_coefficients());
+    return;
   }
   const std::vector<Index> vertices = selector.vertices(condition.where);
   if (condition.kind == Kind::start)

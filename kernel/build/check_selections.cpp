@@ -25,7 +25,8 @@ class SelectionCheck {
         surface(load.where);
     }
     for (const FieldCondition& condition : scene.fields)
-      if (condition.kind != FieldCondition::Kind::flux)
+      if (condition.kind != FieldCondition::Kind::flux &&
+          condition.kind != FieldCondition::Kind::film)
         vertices(condition.where);
       else if (!selector_.has_parts())
         attempt([&] { selector_.boundary_faces(condition.where); });

@@ -25,6 +25,8 @@ FieldEquation::FieldEquation(Attributes& attributes, const CellComplex& complex,
       components_(static_cast<std::size_t>(field.values->spec().components)),
       rates_(static_cast<ForceLoop&>(
           *terms_.emplace_back(std::make_unique<ForceLoop>(attributes, complex, threads, &field)))),
+      exchange_(static_cast<Exchange&>(
+          *terms_.emplace_back(std::make_unique<Exchange>(attributes, *field.values)))),
       has_dissipation_(rates_.has_dissipation()),
       fluxes_(attributes),
       paths_of_(attributes.vertex_count() * components_, 0),
@@ -54,7 +56,7 @@ void FieldEquation::find_held() {
 }
 
 double FieldEquation::last_change() const {
-  double last = fluxes_.last_change();
+  double last = std::max(fluxes_.last_change(), exchange_.coefficients().last_change());
   for (const ValuePath& path : paths_) last = std::max(last, path.stations.back().at);
   return last;
 }
@@ -68,6 +70,8 @@ void FieldEquation::evaluate(double time) {
   if (!has_fluxes_) return;
   flux_rows_.assign(size, 0);
   fluxes_.add_forces(time, attributes_.kernel(0).cells.live(), flux_rows_.data());
+  if (!exchange_.adds_no_rows())
+    exchange_.add_forces(time, attributes_.kernel(0).cells.live(), flux_rows_.data());
 }
 
 double FieldEquation::stable_step(double time) {
@@ -85,7 +89,7 @@ double FieldEquation::stable_step(double time) {
 
 void FieldEquation::start(double time, Steps steps) {
   find_held();
-  has_fluxes_ = !fluxes_.adds_no_rows();
+  has_fluxes_ = !fluxes_.adds_no_rows() || !exchange_.adds_no_rows();
   for (const Held& held : held_) value(held.vertex, held.component) = prescribed(held, time);
   booked_ = {};
   iterations_ = {};
@@ -237,6 +241,7 @@ void FieldEquation::before_operation() { before_change_ = contents(); }
 void FieldEquation::follow(const CellComplex& complex, const TopologyChange& change) {
   rates_.follow(complex, change);
   fluxes_.follow(complex, change);
+  exchange_.coefficients().follow(complex, change);
   paths_of_.resize(vertices() * components_, 0);
   for (std::size_t c = 0; c < components_; ++c) {
     for (const Split& split : change.splits[0])
@@ -286,6 +291,7 @@ void FieldEquation::state(Archive& archive) {
   for (std::size_t c = 0; c < components_; ++c) add("start", c, start_[c]);
   archive("rates", rates_);
   archive("fluxes", fluxes_);
+  archive("exchange", exchange_.coefficients());
   archive("paths", paths_of_);
   archive.require(paths_of_.size() == vertices() * components_,
                   "the prescribed vertices of a field differ");

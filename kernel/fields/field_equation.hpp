@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernel/attributes/attributes.hpp"
+#include "kernel/fields/exchange.hpp"
 #include "kernel/fields/value_path.hpp"
 #include "kernel/forces/dead_loads.hpp"
 #include "kernel/forces/force_loop.hpp"
@@ -59,6 +60,8 @@ class FieldEquation {
                   std::size_t component = 0);
   /// Flows into faces, per rest area: as the components of a traction.
   DeadLoads& fluxes() { return fluxes_; }
+  /// Coefficients of films on faces, by which a flux falls with the value.
+  DeadLoads& film_coefficients() { return exchange_.coefficients(); }
 
   // ---- steps ----
 
@@ -152,7 +155,7 @@ class FieldEquation {
   // As evaluated:
   double rate(Index v, std::size_t c) const { return rate_rows_[std::size_t{v} * 4 + c]; }
   double flux(Index v, std::size_t c) const {
-    return has_fluxes_ ? flux_rows_[std::size_t{v} * 4 + c] : 0;
+    return has_fluxes_ ? flux_rows_[std::size_t{v} * 4 + c] : 0;  // films included
   }
   // Newton's method (field_newton.cpp)
   void solve(double time, double per_dt);
@@ -180,8 +183,9 @@ class FieldEquation {
   const CellComplex& complex_;
   const VertexField& field_;
   std::size_t components_;
-  std::vector<std::unique_ptr<ForceTerm>> terms_;  ///< the rates alone
+  std::vector<std::unique_ptr<ForceTerm>> terms_;  ///< rates and exchange
   ForceLoop& rates_;
+  Exchange& exchange_;
   bool has_dissipation_;
   DeadLoads fluxes_;
   std::vector<ValuePath> paths_;

@@ -36,7 +36,7 @@ constexpr unsigned multigrid_iterations = 5000;
 
 }  // namespace
 
-/// - dr_v/du_v, and sum |dr_v/du_w| over all w and their components.
+/// - dr_v/du_v, and sum |dr_v/du_w| over all w and their components; with films.
 void FieldEquation::find_diagonal(double time, double per_dt) {
   diagonal_.assign(std::size_t{vertices()} * 3, 0);
   sums_.assign(diagonal_.size(), 0);
@@ -62,6 +62,12 @@ void FieldEquation::find_diagonal(double time, double per_dt) {
         diagonal_[place] -= entry(row, row)[cell];
       }
     });
+  });
+  if (exchange_.adds_no_rows()) return;
+  const std::vector<double>& films = exchange_.rows(time);
+  for_each_value([&](Index v, std::size_t c, std::size_t i) {
+    sums_[i] += films[std::size_t{v} * 4 + c];
+    diagonal_[i] += films[std::size_t{v} * 4 + c];
   });
 }
 

@@ -12,17 +12,20 @@ namespace suture {
 /// A condition on a field that models declare (SUTURE_FIELD).
 struct FieldCondition {
   enum class Kind {
-    start,  ///< the value at the start
-    fix,    ///< the value, constant
-    move,   ///< the value over time
-    flux,   ///< into boundary faces, per rest area and second
-    source  ///< into nodes, per second in total
+    start,   ///< the value at the start
+    fix,     ///< the value, constant
+    move,    ///< the value over time
+    flux,    ///< into boundary faces, per rest area and second
+    source,  ///< into nodes, per second in total
+    film     ///< into boundary faces, per rest area and second: value (outside - u)
   };
   std::string field;
   std::size_t component = 0;
   Kind kind = Kind::start;
-  double value = 0;  ///< in the unit of the field or, of a flux and a source, of its rate
-  ValuePath path;    ///< of move
+  /// In the unit of the field; of a flux and a source, of its rate; of a film, of both as a ratio.
+  double value = 0;
+  double outside = 0;  ///< of a film, in the unit of the field
+  ValuePath path;      ///< of move
   Selection where;
   TimeRamp ramp;      ///< of a flux or source
   std::string place;  ///< "/fields/0"

@@ -100,11 +100,19 @@ Limits read_field(ObjectReader& object, const Scene& scene, FieldCondition& cond
   return declared[*choice].limits;
 }
 
+void read_film(ObjectReader film, const Limits& limits, FieldCondition& condition) {
+  film.require("coefficient", "what enters per area, second and difference of the field");
+  condition.value = film.number("coefficient", Limits::not_negative("1")).value_or(0);
+  film.require("outside", "the value of the field outside");
+  condition.outside = film.number("outside", limits).value_or(0);
+  film.finish();
+}
+
 void read_condition(ObjectReader& object, Reading& reading) {
   FieldCondition condition;
   condition.place = object.path();
   const Limits limits = read_field(object, reading.scene, condition);
-  static const std::array<std::string, 5> kinds{"start", "fix", "move", "flux", "source"};
+  static const std::array<std::string, 6> kinds{"start", "fix", "move", "flux", "source", "film"};
   const auto kind = object.one_of(kinds);
   if (!kind) {
     for (const char* known : {"where", "ramp"}) object.find(known);
@@ -112,9 +120,11 @@ void read_condition(ObjectReader& object, Reading& reading) {
   }
   condition.kind = static_cast<Kind>(*kind);
   const std::string& key = kinds[*kind];
-  const bool flows = condition.kind == Kind::flux || condition.kind == Kind::source;
+  const bool flows = condition.kind >= Kind::flux;
   if (condition.kind == Kind::move)
     condition.path = read_path(*object.find(key), object.path_of(key), limits, object.mistakes());
+  else if (condition.kind == Kind::film)
+    read_film({*object.find(key), object.path_of(key), object.mistakes()}, limits, condition);
   else
     condition.value = object.number(key, flows ? Limits() : limits).value_or(0);
   if (condition.kind == Kind::fix) condition.path.stations = {{0, condition.value}};
@@ -123,9 +133,11 @@ void read_condition(ObjectReader& object, Reading& reading) {
                              ", so nothing can flow into it; add one that does, such as heat");
   if (const JsonValue* ramp = object.find("ramp")) {
     condition.ramp = read_ramp(*ramp, object.path_of("ramp"), object.mistakes());
-    if (!flows) object.complain("ramp", "belongs to \"flux\" and \"source\"; use \"move\"");
+    if (!flows)
+      object.complain("ramp", "belongs to \"flux\", \"source\" and \"film\"; use \"move\"");
   }
-  const char* what = condition.kind == Kind::flux ? "the nodes of the faces" : "the nodes";
+  const char* what =
+      flows && condition.kind != Kind::source ? "the nodes of the faces" : "the nodes";
   const JsonValue* where =
       condition.kind == Kind::start ? object.find("where") : object.require("where", what);
   if (where != nullptr)

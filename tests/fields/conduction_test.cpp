@@ -141,6 +141,42 @@ TEST(Conduction, ASteadyFluxMakesALinearProfile) {
   EXPECT_LT(run.error([](double x) { return 300 + 50 / 2.0 * x; }), 1e-8);
 }
 
+// k (300 - T) / L = h (T - 20) at the end of a bar of length 1 m, k = 2 W/(m K).
+TEST(Conduction, ASteadyFilmTakesWhatConductionBrings) {
+  for (const double h : {0.0, 3.0, 1e4}) {
+    FieldRun run(bar(7, R"("static": {"frames": 1})",
+                     R"("fields": [{"field": "temperature", "fix":
+        300, "where": {"set": "x0"}}, {"field": "temperature", "film": {"coefficient": )" +
+                         std::to_string(h) +
+                         R"(, "outside": 20},
+        "where": {"set": "x1"}}])"));
+    run.run_to(1);
+    const double end = (2 * 300 + h * 20) / (2 + h);
+    EXPECT_LT(run.error([&](double x) { return 300 + (end - 300) * x; }), 1e-7) << h;
+  }
+}
+
+// A body whose surface alone resists: C du/dt = h A (outside - u), also after a cut through the
+// film. Without a prescribed value, the film determines the steady state.
+TEST(Conduction, AFilmCoolsAsAnExponential) {
+  const std::string film = R"("fields": [{"field": "temperature", "start": 400},
+      {"field": "temperature", "film": {"coefficient": 0.01, "outside": 300}, "where": {"set": "z1"}},
+      {"field": "temperature", "film": {"coefficient": 0.01, "outside": 300}, "where": {"set": "z0"}}
+      ], "events": [{"at": 0.3, "cut": {"plane": {"point": [0.5, 0, 0], "normal": [1, 0, 0]}}}])";
+  for (const std::string& steps : {explicit_steps, implicit_steps}) {
+    FieldRun run(bar(4, steps, film));
+    const double before = run.balance().content;
+    const double rate = 2 * 0.01 / 0.25 / (2 / diffusivity);  // h A / (c V)
+    run.run_to(1);
+    EXPECT_LT(run.error([&](double) { return 300 + 100 * std::exp(-rate); }), 2e-3) << steps;
+    EXPECT_NEAR(run.balance().content - before, run.balance().inflow, 1e-9);
+    EXPECT_LT(run.balance().inflow, -0.1);
+  }
+  FieldRun steady(bar(4, R"("static": {"frames": 1})", film));
+  steady.run_to(1);
+  EXPECT_LT(steady.error([](double) { return 300; }), 1e-7);
+}
+
 // An island without a prescribed value: the multigrid could add any constant to it.
 TEST(Conduction, ASteadyIslandKeepsItsContent) {
   FieldRun run(

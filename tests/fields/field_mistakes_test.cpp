@@ -51,6 +51,12 @@ TEST(FieldMistakes, NameTheRangeOfTheField) {
   EXPECT_THAT(of_bar(R"({"field": "temperature", "move": [[0, 1], [1, -2]], "where": "all"})"),
               HasSubstr("/fields/0/move/1/1: must be >= 0 K"));
   EXPECT_EQ(of_bar(R"({"field": "temperature", "flux": -1, "where": {"set": "x0"}})"), "");
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "film": {"coefficient": 1}, "where": {"set":
+      "x0"}})"),
+              HasSubstr("/fields/0/film: needs 'outside'"));
+  EXPECT_THAT(of_bar(R"({"field": "temperature", "film": {"coefficient": -1, "outside": 300},
+      "where": {"set": "x0"}})"),
+              HasSubstr("/fields/0/film/coefficient"));
 }
 
 TEST(FieldMistakes, NameBothEndsOfTheRangeOfDamage) {

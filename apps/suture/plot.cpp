@@ -151,6 +151,8 @@ void add_selections(SelectionFields& fields, const Scene& scene) {
   };
   for (const Constraint& constraint : scene.constraints) add(constraint.where, constraint.name);
   for (const Load& load : scene.loads) add(load.where, "");
+  for (const Foundation& foundation : scene.foundations) add(foundation.where, "");
+  for (const InitialMotion& motion : scene.initial_motion) add(motion.where, "");
   for (const Event& event : scene.events)
     if (const Grasp* grasp = std::get_if<Grasp>(&event.what); grasp && !grasp->obstacle)
       add(grasp->held.where, grasp->held.name);

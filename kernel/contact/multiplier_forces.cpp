@@ -504,7 +504,6 @@ bool MultiplierForces::update(double time) {
     return true;
   }
   gap_left_ = is_settled ? 0 : off;
-  updates_ = 0;
   of_obstacles_ = of_obstacles;
   pairs_ = pairs;
   is_listed_ = false;

@@ -142,8 +142,9 @@ class Newton {
  private:
   struct Progress {
     unsigned iterations = 0;
-    unsigned indefinite = 0;        ///< of these, with an indefinite tangent
-    double residual = 0, last = 0;  ///< |r| over the free components now and before, N
+    unsigned indefinite = 0;  ///< of these, with an indefinite tangent
+    /// |r| over the free components now, before, and at the start, N
+    double residual = 0, last = 0, first = 0;
   };
   void start(const StepEquations& equations);
   void find_solution(const StepEquations& equations);
@@ -188,6 +189,8 @@ class Newton {
   } budgeted_;
   double rounding_limit_ = 0;
   double scale_ = 0;
+  bool has_multipliers_ = false;  ///< constraints have them
+  double worth_ = 0;  ///< the part of the first residual that is small enough; 0: the tolerance
   // 3 numbers per vertex:
   std::vector<double> residual_, direction_, remaining_;
   std::vector<double> start_;             ///< positions, 4 numbers per vertex

@@ -116,6 +116,7 @@ void Contact::prepare(const ContactStep& step) {
       step_.placed.emplace_back(obstacles_[i], thickness_, step.time, step.end);
     }
   }
+  ease_recovery(step.dt);
   step_.forces.resize(4 * std::size_t{attributes_.vertex_count()});
   const double* force = attributes_.force().rows();
   const auto keep = [&](Index v) { row_at(step_.forces.data(), v) = row_at(force, v); };
@@ -123,6 +124,16 @@ void Contact::prepare(const ContactStep& step) {
   if (!edges_) return;
   edges_->begin(step_.placed, step.end - step.time, kept_.last_dt);
   std::ranges::for_each(edges_->vertices(), keep);
+}
+
+/// A step of dt takes back dt / longest_dt of what the longest one may: the work of taking a depth
+/// d back is m (d / dt)^2 / 2.
+void Contact::ease_recovery(double dt) {
+  kept_.longest_dt = std::max(kept_.longest_dt, dt);
+  const double part = step_.eased = dt / kept_.longest_dt;
+  for (PlacedObstacle& placed : step_.placed) placed.ease_recovery(part);
+  if (pieces_) pieces_->ease_recovery(part);
+  if (pairs_) pairs_->ease_recovery(part);
 }
 
 std::span<const Contact::Correction> Contact::resolve(const ContactStep& step) {
@@ -412,6 +423,7 @@ void Contact::state(Archive& archive) {
     archive("last dt", kept_.last_dt);
   }
   archive("closing speed", kept_.closing_speed);
+  archive("longest dt", kept_.longest_dt);
   if (point_pushes_) archive("pushes of points", *point_pushes_);
 }
 

@@ -46,6 +46,9 @@
 // - A vertex that is inside at the start is moved out by 2 % of its depth per step, by at most 1 %
 //   of an element. Resolving the depth at once would eject the body at up to 0.6 of the wave
 //   speed.
+// - Depths come back at a speed that does not grow as dt falls: a step that is a tenth of the
+//   longest one so far takes back a tenth of that. Small pieces that are squeezed make dt short,
+//   and so does fast approach. With a fixed way per step, shorter steps threw them ever faster.
 // - An automatic dt is limited so that no obstacle moves by more than a tenth of the shortest
 //   edge. A fixed dt above one edge is refused: the obstacle could jump over a surface.
 //
@@ -177,6 +180,7 @@ class Contact final : public ContactLaw {
   using Near = ContactInProgress::Near;
   using Pushed = ContactInProgress::Pushed;
   using PushBy = ContactInProgress::PushBy;
+  void ease_recovery(double dt);
   void find_near_obstacles(const ContactStep& step);
   void add_if_near(Index number, const ContactStep& step, double margin, double reach);
   bool is_free(const ContactPoint& point) const;

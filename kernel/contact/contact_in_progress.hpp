@@ -62,6 +62,7 @@ struct ContactInProgress {
   /// `edge`: the shortest of the elements, m.
   void push_path(VertexPath& path, std::span<PushBy> by, double edge) const;
 
+  double eased = 1;  ///< dt over that of the longest step so far
   std::vector<PlacedObstacle> placed;
   std::vector<Index> near_obstacles;  ///< in placed, near some vertices
   const LiveMask* moving = nullptr;   ///< vertices

@@ -36,6 +36,7 @@ struct KeptContact {
   std::vector<ObstacleForce> obstacle_forces;
   EnteredSides sides;
   double last_dt = 0;        ///< s
+  double longest_dt = 0;     ///< of all steps so far, s
   double closing_speed = 0;  ///< of pieces that may meet, at most, after contact, m/s
   /// A vertex of each of two pieces with an embedded surface, in the last step or when both fell
   /// asleep.

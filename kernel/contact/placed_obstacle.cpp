@@ -76,7 +76,7 @@ Curvature PlacedObstacle::curvature(const Vec3& place) const {
 
 double PlacedObstacle::target(const VertexPath& path, double fastest) const {
   const double before = gap(start_, path.start).distance;
-  return before < 0 ? before + std::min(-recovery * before, fastest) : 0;
+  return before < 0 ? before + eased_ * std::min(-recovery * before, fastest) : 0;
 }
 
 double PlacedObstacle::push(VertexPath& path, double fastest, Push& push) const {

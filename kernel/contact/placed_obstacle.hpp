@@ -90,6 +90,8 @@ class PlacedObstacle {
   /// a vertex ends the step on the surface; one that was inside before approaches it slowly
   /// (`fastest` m per step), or pushing out would act like an explosion.
   double push(VertexPath& path, double fastest, Push& push) const;
+  /// Of what a step may take back of an earlier depth, it takes this part back.
+  void ease_recovery(double part) { eased_ = part; }
 
   /// Whether it pushes in the same direction and moves with the same velocity
   /// everywhere.
@@ -132,6 +134,7 @@ class PlacedObstacle {
 
   double offset_;
   double long_way_;  ///< a vertex that moves by less stays nearest to the side that it meets, m
+  double eased_ = 1;
   double own_way_ = 0, spin_factor_ = 1;  ///< of longest_way()
   Pose start_, end_;
   Ball ball_;

@@ -274,8 +274,8 @@ double PointPairs::lacking(std::size_t i, const Vec3& offset, const Vec3& veloci
                            double dt) const {
   const Vec3& normal = pairs_[i].normal;
   const double gap = dot(normal, offset), before = gap - dt * dot(normal, velocity);
-  const double target =
-      before < 0 ? before + std::min(-recovered * before, max_recovery * scale_of_recovery(i)) : 0;
+  const double most = std::min(-recovered * before, max_recovery * scale_of_recovery(i));
+  const double target = before < 0 ? before + eased_ * most : 0;
   return target - gap;
 }
 

@@ -100,6 +100,8 @@ class PointPairs {
   double scale_of_recovery(std::size_t i) const {
     return pairs_[i].is_beside ? 0 : pairs_[i].lever * edge_;
   }
+  /// Of what a step may take back of an earlier depth, it takes this part back.
+  void ease_recovery(double part) { eased_ = part; }
   double friction() const { return options_.friction; }
 
   /// The way by which the offset of pair i at the end of a step misses its
@@ -172,7 +174,7 @@ class PointPairs {
   const SurfacePoints& points_;
   const PieceContact::Options options_;
   const double edge_;
-  double max_depth_ = 0.1;
+  double max_depth_ = 0.1, eased_ = 1;
   bool is_stale_ = true, may_meet_ = false;
   // Since the last operation.
   std::vector<Index> piece_of_;       ///< by point

@@ -192,16 +192,17 @@ void PointPushes::sweep_group(const Group& group, bool with_pairs, double dt) {
   const auto vertices =
       std::span(of_groups_).subspan(group.first_vertex, group.end_of_vertices - group.first_vertex);
   const bool have_pairs = with_pairs && has_pairs(group);
-  double last = 0, precision = largest_miss * edge_, part = have_pairs ? 1 : part_of_impulse;
+  const double edge = step_.eased * edge_;  // of a speed, not of a way: dt may be tiny
+  double last = 0, precision = largest_miss * edge, part = have_pairs ? 1 : part_of_impulse;
   for (int number = 0; number < most_sweeps; ++number) {
     if (number == plain_sweeps) sweeps_.begin_directions(all, vertices);
     if (number >= plain_sweeps) sweeps_.keep(all, vertices);
     const PointSweeps::Changes changes = sweep(planes, others, dt);
     const double largest = dt * std::sqrt(changes.largest);
     if (number == 0 && have_pairs) {
-      precision = std::clamp(lag_of_pairs * largest, least_push * edge_, precision);
-    } else if (number == 0 && largest > sudden * edge_) {
-      precision = miss_if_sudden * edge_;
+      precision = std::clamp(lag_of_pairs * largest, least_push * edge, precision);
+    } else if (number == 0 && largest > sudden * edge) {
+      precision = miss_if_sudden * edge;
       part = 1;
     }
     if (largest == 0 || number + 1 == most_sweeps) break;

@@ -31,6 +31,12 @@ struct Falling : rig::Block {
     for (Index v = 0; v < body.attributes().vertex_count(); ++v) low = std::min(low, x(v, axis));
     return low;
   }
+  double fastest() {
+    double speed = 0;
+    for (Index v = 0; v < body.attributes().vertex_count(); ++v)
+      speed = std::max(speed, norm(row(body.attributes().velocity().rows(), v)));
+    return speed;
+  }
   Vec3 momentum() {
     Vec3 sum{};
     Attributes& a = body.attributes();
@@ -66,6 +72,22 @@ TEST_P(Schemes, KeepTheThickness) {
   falling.run(0.5 * falling.stable_step(), 400);
   EXPECT_NEAR(falling.lowest(), -0.03, 0.01);
   EXPECT_GE(falling.lowest(), -0.03 - 1e-15);
+}
+
+// Short steps follow small pieces that are squeezed, and fast approach: with a fixed way in each,
+// depths would come back ever faster.
+TEST_P(Schemes, ADepthComesBackNoFasterInShortSteps) {
+  const Obstacle ball{"ball", "/contact/obstacles/0", Sphere{{0.5, 0.5, -2}, 2.05}, {}, 0};
+  for (const Obstacle& obstacle : {half_space({0, 0, 0.05}, {0, 0, 1}), ball}) {
+    Falling deep(GetParam(), {obstacle}, 0, {0, 0, 0});
+    deep.start();
+    const double dt = 0.5 * deep.stable_step();
+    deep.run(dt, 1);
+    const double fastest = deep.fastest();
+    deep.run(1e-4 * dt, 1);
+    EXPECT_GT(fastest, 0);
+    EXPECT_LT(deep.fastest(), 2 * fastest);
+  }
 }
 
 // The change of momentum is weight plus contact, and what the floor receives is the opposite.

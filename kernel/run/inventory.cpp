@@ -3,6 +3,7 @@
 
 #include <sstream>
 
+#include "kernel/base/error.hpp"
 #include "kernel/base/escape.hpp"
 #include "kernel/base/message_text.hpp"
 #include "kernel/base/vec3.hpp"
@@ -61,11 +62,15 @@ class Inventory {
         rest_(built.body().attributes().rest_places(built.body().complex())),
         rest_rows_(built.body().attributes().rest().rows()) {}
 
+  /// A set that uses a set of nodes contains no elements.
   std::string line_of(const NamedSelection& set) const {
-    const std::vector<Index> nodes = selector_.vertices_now(set.where, rest_rows_);
-    const std::vector<Index> elements = selector_.elements_now(set.where, rest_rows_);
-    return "set " + quote(set.name) + ": " + count_text(nodes.size(), "node") + ", " +
-           contents(elements);
+    std::string line = "set " + quote(set.name) + ": " +
+                       count_text(selector_.vertices_now(set.where, rest_rows_).size(), "node");
+    try {
+      line += ", " + contents(selector_.elements_now(set.where, rest_rows_));
+    } catch (const InputError&) {
+    }
+    return line;
   }
   std::string line_of(const ModelUse& use, const std::vector<Index>& region) const {
     std::vector<Index> all = region;

@@ -144,7 +144,7 @@ TEST_F(BadScenes, WhatOthersRunWithAllTheSame) {
       {R"(/loads=[{"pressure": 1, "where": "all", "profile": {"along": [0, 0, 0],
           "values": [[0, 1], [1, 0]]}}])",
        3, "/loads/0/profile/along"},
-      {R"(/foundations=[{"normal": 1}])", 3, "/foundations/0: needs 'where'"},
+      {R"(/foundations=[{"normal": 1}])", 3, "/foundations/0: 'where' is missing"},
       {"/constraints=[{\"fix\": \"xyz\", \"where\": {\"sphere\": {\"centre\": [9, 9, 9], "
        "\"radius\": 1}}}]",
        3, "/constraints/0/where"},

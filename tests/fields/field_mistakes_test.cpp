@@ -53,7 +53,7 @@ TEST(FieldMistakes, NameTheRangeOfTheField) {
   EXPECT_EQ(of_bar(R"({"field": "temperature", "flux": -1, "where": {"set": "x0"}})"), "");
   EXPECT_THAT(of_bar(R"({"field": "temperature", "film": {"coefficient": 1}, "where": {"set":
       "x0"}})"),
-              HasSubstr("/fields/0/film: needs 'outside'"));
+              HasSubstr("/fields/0/film: 'outside' is missing"));
   EXPECT_THAT(of_bar(R"({"field": "temperature", "film": {"coefficient": -1, "outside": 300},
       "where": {"set": "x0"}})"),
               HasSubstr("/fields/0/film/coefficient"));

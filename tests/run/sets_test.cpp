@@ -53,7 +53,7 @@ TEST(SetsOfAScene, GiveRegionsConstraintsAndLoadsTheirCells) {
             (std::vector<std::string>{
                 "set 'left': 12 nodes, 2 elements, 0.03125 m^3",
                 "set 'right': 8 nodes, 2 elements, 0.03125 m^3",
-                "set 'tip': 4 nodes, 0 elements, 0 m^3",
+                "set 'tip': 4 nodes",
                 "model 'tm-faure': 2 elements, 0.03125 m^3",
                 "model 'tm-faure-2': 2 elements, 0.03125 m^3",
                 "load 0: 1000 Pa on 0.125 m^2, [0, 0, -125] N in total",
@@ -70,7 +70,7 @@ TEST(SetsOfAScene, GiveRegionsConstraintsAndLoadsTheirCells) {
 TEST(SetsOfAScene, HoldTheCopiesThatACutMakes) {
   TestSimulation simulation(read(bar(halves, std::string(two_models) + R"(,
     "events": [
-      {"at": 2e-4, "cut": {"polygon": [[-1, -1, 0.1], [2, -1, 0.1], [2, 1, 0.1], [-1, 1, 0.1]]}},
+      {"at": 2e-4, "cut": {"plane": {"polygon": [[-1, -1, 0.1], [2, -1, 0.1], [2, 1, 0.1], [-1, 1, 0.1]]}}},
       {"at": 5e-4, "pierce": {"where": {"set": "left"}}}])")));
   simulation.run();
   const CellComplex& complex = simulation.built().body().complex();

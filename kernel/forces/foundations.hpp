@@ -12,11 +12,11 @@
 // Springs to ground on a surface
 // ==============================
 //
-//   ////////////////  ground       What lies around a body, and is not computed itself, resists its
-//    \  \  \  \  \                 surface in proportion to the displacement u = x - X. The traction
-//    /  /  /  /  /                 is, with the outward normal N at rest (a Robin condition),
-//   +-------------+
-//   |    body     |                  t = - k_n (u . N) N - k_t (u - (u . N) N) - c v
+//   ////////////////  ground    What lies around a body, and is not computed itself, resists its
+//    |   |   |   |              surface in proportion to the displacement u = x - X. The traction
+//   +-------------+             is, with the outward normal N at rest (a Robin condition),
+//   |    body     |
+//   +-------------+                t = - k_n (u . N) N - k_t (u - (u . N) N) - c v
 //
 // The weak form is lumped at the corners: f = - K_c (x - X_c) - C_c v for corner c of an element,
 //

@@ -45,7 +45,8 @@ void BlockLists::add(const CellComplex& complex, Index seer, Index seen) {
   for (const Index v : complex.vertices_of(seen)) add_block(seer, vertices_.of(v));
 }
 
-/// New elements, and those that see them; new corners of elements.
+/// New elements, and those that see them; new corners of elements. Where faces were sewn,
+/// neighbours may have had other corners when they were last seen.
 void BlockLists::follow(const CellComplex& complex, const TopologyChange& change) {
   lists_.resize(blocks_of(complex.element_count(), elements_));
   const auto for_each_neighbour = [&](Index element, auto visit) {
@@ -65,7 +66,9 @@ void BlockLists::follow(const CellComplex& complex, const TopologyChange& change
       const Index e = dart / hexahedron::darts, block = vertices_.of(stars.cells[i]);
       add_block(e, block);
       for_each_neighbour(e, [&](Index n) {
-        if (n / elements_ != e / elements_) add_block(n, block);
+        if (n / elements_ == e / elements_) return;
+        add_block(n, block);
+        if (change.faces_sewn != 0) add(complex, e, n);
       });
     }
 }

@@ -82,6 +82,14 @@ std::vector<double> SurfacePatch::heights(const CellComplex& complex, const doub
   return heights_in({&box, 1}, within, complex, rows, stride, within);
 }
 
+bool SurfacePatch::holds(const Vec3& place, double reach) const {
+  const OrientedSurface::Foot foot = surface_.foot(place);
+  if (!foot.is_on_border) return true;
+  const Vec3 away = minus(place, foot.point);
+  const double height = dot(away, foot.normal) / dot(foot.normal, foot.normal);
+  return norm(minus(away, scaled(height, foot.normal))) <= reach;
+}
+
 std::vector<double> SurfacePatch::heights_in(std::span<const Box> boxes, double margin,
                                              const CellComplex& complex, const double* rows,
                                              std::size_t stride, double within) const {

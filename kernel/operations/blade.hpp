@@ -20,8 +20,11 @@ class Blade {
                                       std::size_t stride) const = 0;
   /// True if it ends nowhere: holds() is true everywhere.
   virtual bool is_endless() const = 0;
-  /// Whether the point of it that is nearest to a place is not on its rim.
-  virtual bool holds(const Vec3& place) const = 0;
+  /// Whether the point of it that is nearest to a place is not on its rim, or the place is at most
+  /// `reach` (m) beyond that.
+  virtual bool holds(const Vec3& place, double reach) const = 0;
+  /// Whether a cut says how much of it has been opened.
+  virtual bool is_measured() const { return !is_endless(); }
   /// Whether it has divided the element before, and must not do so again: along these heights, or
   /// elsewhere.
   enum class Earlier { never, here, elsewhere };
@@ -36,7 +39,9 @@ class PlaneBlade final : public Blade {
   std::vector<double> heights(const CellComplex& complex, const double* rows,
                               std::size_t stride) const override;
   bool is_endless() const override;
-  bool holds(const Vec3& place) const override { return is_inside(patch_, place); }
+  bool holds(const Vec3& place, double reach) const override {
+    return is_inside(patch_, place, reach);
+  }
 
  private:
   PlanePatch patch_;
@@ -62,7 +67,7 @@ class SurfacePatch final : public Blade {
                                  const CellComplex& complex, const double* rows, std::size_t stride,
                                  double within) const;
   bool is_endless() const override { return false; }
-  bool holds(const Vec3& place) const override { return !surface_.foot(place).is_on_border; }
+  bool holds(const Vec3& place, double reach) const override;
 
  private:
   OrientedSurface surface_;

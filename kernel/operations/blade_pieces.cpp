@@ -126,7 +126,7 @@ void BladePieces::divide(Index element) {
     return leave_whole(element);
   }
   std::vector<DividedPart> found = divider_.divide(material, heights, tolerance_);
-  if (found.size() < 2 || !is_held(nodes, found)) return leave_whole(element);
+  if (found.size() < 2 || !is_opened(nodes, material, found)) return leave_whole(element);
   const auto first = static_cast<Index>(pieces_.size());
   for (DividedPart& part : found) {
     BladePiece& piece = pieces_.emplace_back(BladePiece{element, part.side, std::move(part), {}});
@@ -136,6 +136,30 @@ void BladePieces::divide(Index element) {
   divided_.push_back(element);
 }
 
+/// Adds the area of the section, too.
+bool BladePieces::is_opened(const Hexahedron& nodes, const Material& material,
+                            const std::vector<DividedPart>& found) {
+  const bool is_opened = is_held(nodes, found);
+  if (!blade_.is_measured()) return is_opened;
+  for (const auto& tetrahedron : material.tetrahedra) {
+    std::array<Vec3, 4> corners;
+    std::array<double, 4> heights;
+    for (std::size_t i = 0; i < 4; ++i) {
+      corners[i] = place_in(nodes, material.points[tetrahedron[i]], rows_, stride_);
+      heights[i] = point_heights_[tetrahedron[i]];
+    }
+    const Section section = section_of(corners, heights, tolerance_);
+    for (std::size_t t = 0; t < section.count; ++t) measure(section.triangles[t], is_opened);
+  }
+  return is_opened;
+}
+
+void BladePieces::measure(const Corners3& triangle, bool is_opened) {
+  const auto holds = [&](const Vec3& place) { return blade_.holds(place, 0); };
+  if (is_opened) area_.opened += area_of(triangle);
+  area_.blade += held_area(triangle, holds);
+}
+
 /// Whether the blade holds the whole section.
 bool BladePieces::is_held(const Hexahedron& nodes, const std::vector<DividedPart>& found) const {
   if (blade_.is_endless()) return true;
@@ -143,7 +167,7 @@ bool BladePieces::is_held(const Hexahedron& nodes, const std::vector<DividedPart
   for (const DividedPart& part : found)
     for (const Vec3& at : part.material.points)
       if (std::abs(height_at(heights, at)) <= tolerance_ &&
-          !blade_.holds(place_in(nodes, at, rows_, stride_)))
+          !blade_.holds(place_in(nodes, at, rows_, stride_), tolerance_))
         return false;
   return true;
 }
@@ -243,12 +267,20 @@ void BladePieces::add_whole(Index element) {
   pieces_of_[element] = {piece, piece + 1};
 }
 
-bool BladePieces::holds_face(Index element, int face) const {
+bool BladePieces::opens_face(Index element, int face) {
   if (blade_.is_endless()) return true;
+  std::array<Vec3, 4> corners;
   Vec3 middle{};
-  for (const auto n : suture_hexahedron_faces[face])
-    middle = plus(middle, scaled(0.25, row(complex_.vertices_of(element)[n])));
-  return blade_.holds(middle);
+  for (std::size_t k = 0; k < 4; ++k) {
+    corners[k] = row(complex_.vertices_of(element)[suture_hexahedron_faces[face][k]]);
+    middle = plus(middle, scaled(0.25, corners[k]));
+  }
+  const bool is_opened = blade_.holds(middle, tolerance_);
+  if (blade_.is_measured()) {
+    measure({corners[0], corners[1], corners[2]}, is_opened);
+    measure({corners[0], corners[2], corners[3]}, is_opened);
+  }
+  return is_opened;
 }
 
 }  // namespace suture

@@ -50,8 +50,10 @@ class BladePieces {
   std::size_t size() const { return pieces_.size(); }
   const BladePiece& operator[](std::size_t piece) const { return pieces_[piece]; }
   const std::vector<BladePiece>& all() const { return pieces_; }
-  /// Whether the blade holds the middle of a face.
-  bool holds_face(Index element, int face) const;
+  /// Whether the blade holds the middle of a face that separates its sides. Adds its area.
+  bool opens_face(Index element, int face);
+  /// Of divided elements and faces; not measured for every blade (Blade::is_measured).
+  const CutArea& area() const { return area_; }
   /// Above the blade, by vertex, m; NaN: far from it. No longer here afterwards.
   std::vector<double> take_heights() { return std::move(heights_); }
   /// Elements beside divided ones that are left whole, in tetrahedra that fit to theirs. No longer
@@ -74,6 +76,9 @@ class BladePieces {
     undivided_.push_back(element);
     has_rim_ = true;
   }
+  bool is_opened(const Hexahedron& nodes, const Material& material,
+                 const std::vector<DividedPart>& found);
+  void measure(const Corners3& triangle, bool is_opened);
   bool is_held(const Hexahedron& nodes, const std::vector<DividedPart>& found) const;
   Vec3 row(Index vertex) const {
     const double* x = rows_ + stride_ * vertex;
@@ -97,6 +102,7 @@ class BladePieces {
   std::vector<Range> pieces_of_;       ///< by element
   std::vector<BladePiece> pieces_;
   RefinedParts refined_;
+  CutArea area_;
 };
 
 }  // namespace suture

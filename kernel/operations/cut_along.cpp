@@ -56,6 +56,7 @@ class Cutter {
     join_copies(sets);
     find_cut_faces();
     resolve_ties();
+    result_.area = pieces_.area();
     result_.heights = pieces_.take_heights();
     result_.refined = pieces_.take_refined();
     return std::move(result_);
@@ -329,7 +330,7 @@ class Cutter {
     }
     sort_unique(cut);
     std::erase_if(cut, [&](Dart side) {
-      return !pieces_.holds_face(element_of(side), static_cast<int>(local_face(side)));
+      return !pieces_.opens_face(element_of(side), static_cast<int>(local_face(side)));
     });
   }
   const CellComplex& complex_;

@@ -21,8 +21,9 @@ struct BladeCut {
   Cloning cloning;
   /// The parts of the copies, in their numbers, and the surface that they bring.
   Parts parts;
-  RefinedParts refined;         ///< elements that stay
-  Index divided = 0;            ///< elements
+  RefinedParts refined;  ///< elements that stay
+  Index divided = 0;     ///< elements
+  CutArea area;
   std::vector<Seam> seams;      ///< of copies that were tied, in the new numbers
   std::vector<Tie> ties;        ///< afterwards, in the new numbers
   std::vector<double> heights;  ///< above the blade, by vertex, m; NaN: far from it
@@ -37,8 +38,8 @@ struct BladeCut {
 ///
 /// Parts of an element on one side of the blade that touch the same part of a neighbour through
 /// one face become one copy: the map has no face with three elements. An element is divided only if
-/// the blade holds its whole section. Where one that is crossed is left whole, its face is joined
-/// to the copy that covers more of it.
+/// the blade holds its whole section, to within reach_in_edges of the shortest edge at the blade.
+/// Where one that is crossed is left whole, its face is joined to the copy that covers more of it.
 ///
 /// `ties`: left by earlier steps of the same blade. They are resolved when it has divided the
 /// element, too.

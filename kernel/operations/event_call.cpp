@@ -89,7 +89,12 @@ const Workers* EventRunner::Call::workers() const { return &built.body().models(
 EventOutcome EventRunner::Call::operator()(const CutPlane& plane) const {
   const PlanePatch patch{plane.point, plane.normal, plane.radius, plane.polygon};
   if (plane.along_blade) return cut_along_blade(PlaneBlade(patch));
-  return cut(faces_across_patch(built.body().complex(), shape(), patch, 4, blocks()));
+  CutArea area;
+  EventOutcome outcome =
+      cut(faces_across_patch(built.body().complex(), shape(), patch, 4, blocks(), &area));
+  if (outcome.changed()) outcome.area = area;
+  warn_of_area(outcome);
+  return outcome;
 }
 
 EventOutcome EventRunner::Call::operator()(const CutSurface&) const {
@@ -208,7 +213,19 @@ EventOutcome EventRunner::Call::cut_along_blade(const Blade& blade) const {
         " cut no element: the blade misses the body, only touches it, or holds no "
         "whole section of an element" +
         or_is_cut());
-  return divide(cut);
+  EventOutcome outcome = divide(cut);
+  warn_of_area(outcome);
+  return outcome;
+}
+
+void EventRunner::Call::warn_of_area(const EventOutcome& outcome) const {
+  constexpr double allowed = 0.1;
+  const auto& [opened, blade] = outcome.area;
+  if (std::abs(opened - blade) > allowed * blade)
+    warn_once(
+        " opened " + outcome.area.text() +
+        ": it ends within elements, which are opened whole or not at all; a finer mesh, or an "
+        "end on planes of the grid, comes nearer");
 }
 
 /// In a step, a blade may go through the whole body.
@@ -265,6 +282,7 @@ EventOutcome EventRunner::Call::divide(const BladeCut& cut) const {
   if (cut.empty()) return outcome;
   outcome.faces_cut = static_cast<Index>(cut.cloning.cut.size());
   outcome.elements_cut = cut.divided;
+  outcome.area = cut.area;
   for (const Dart side : cut.cloning.cut)
     outcome.faces.push_back({element_of(side), element_of(built.body().complex().beta3(side))});
   open_sides(cut.cloning.cut);

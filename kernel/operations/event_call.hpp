@@ -49,6 +49,7 @@ struct EventRunner::Call {
   void report_pairs(const char* one, const char* many, const std::vector<ElementPair>& pairs) const;
   /// What else it can be that nothing is cut, once anything has been done to the map.
   std::string or_is_cut() const;
+  void warn_of_area(const EventOutcome& outcome) const;
   static std::string why_none(const SewFaces& sew);
   /// Cells by the numbers of the user's mesh.
   Naming naming() const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernel/build/built_scene.hpp"
+#include "kernel/operations/cut_area.hpp"
 #include "kernel/operations/debris.hpp"
 #include "kernel/operations/removal_watch.hpp"
 #include "kernel/operations/tear.hpp"
@@ -43,6 +44,7 @@ struct EventOutcome {
   std::vector<std::array<Index, 2>> faces{};  ///< the elements on both sides of each face
   std::vector<Index> removed{};               ///< elements, those of debris, too
   RemovedMatter debris{};
+  CutArea area{};
   /// Why a moving blade has gone no further, after all that is listed here; null: it has.
   std::exception_ptr refusal{};
   bool changed() const {

@@ -22,6 +22,7 @@ EventOutcome& EventOutcome::operator+=(const EventOutcome& other) {
   nodes_held += other.nodes_held;
   nodes_released += other.nodes_released;
   debris += other.debris;
+  area += other.area;
   return *this;
 }
 
@@ -35,6 +36,8 @@ void EventOutcome::state(Archive& archive) {
   archive("nodes held", nodes_held);
   archive("nodes released", nodes_released);
   archive("debris", debris);
+  archive("area opened", area.opened);
+  archive("area of blade", area.blade);
 }
 
 std::string EventOutcome::text() const {
@@ -44,6 +47,7 @@ std::string EventOutcome::text() const {
   };
   add("cut ", elements_cut, "element");
   add("cut ", faces_cut, "face");
+  if (area.blade > 0) text += " (" + area.text() + ")";
   add("sewed ", elements_sewn, "element");
   add("tore ", faces_torn, "face");
   add("sewed ", faces_sewn, "face");

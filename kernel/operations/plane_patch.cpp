@@ -43,6 +43,62 @@ bool is_in_polygon(const PlanePatch& patch, const Vec3& p) {
   return odd;
 }
 
+double distance_of_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const Vec3 side = minus(b, a), offset = minus(p, a);
+  const double squared = dot(side, side);
+  const double t = squared == 0 ? 0 : std::clamp(dot(offset, side) / squared, 0.0, 1.0);
+  return norm(minus(offset, scaled(t, side)));
+}
+
+bool is_near_polygon(const PlanePatch& patch, const Vec3& p, double reach) {
+  for (std::size_t i = 0; i < patch.polygon.size(); ++i)
+    if (distance_of_segment(patch.polygon[i], patch.polygon[(i + 1) % patch.polygon.size()], p) <=
+        reach)
+      return true;
+  return false;
+}
+
+/// A face between two elements, with what decides whether a patch cuts it.
+class FaceAcross {
+ public:
+  FaceAcross(const CellComplex& complex, const double* rows, std::size_t stride, Dart face)
+      : one(centroid(complex.vertices_of(element_of(face)), rows, stride)),
+        other(centroid(complex.vertices_of(element_of(complex.beta3(face))), rows, stride)) {
+    for (Dart k = 0; k < 4; ++k) {
+      const double* x = rows + stride * complex.origin(face_of(face) + k);
+      corners_[k] = {x[0], x[1], x[2]};
+    }
+  }
+  double reach() const {
+    double shortest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 4; ++k)
+      shortest = std::min(shortest, norm(minus(corners_[(k + 1) % 4], corners_[k])));
+    return reach_in_edges * shortest;
+  }
+  /// Of its projection onto the plane; negative where the surface of faces folds back.
+  CutArea area_on(const PlanePatch& patch) const {
+    std::array<Vec3, 4> flat;
+    std::ranges::transform(corners_, flat.begin(), [&](const Vec3& x) {
+      const double height = dot(patch.normal, minus(x, patch.point));
+      return minus(x, scaled(height / dot(patch.normal, patch.normal), patch.normal));
+    });
+    CutArea area;
+    for (const Corners3& triangle :
+         {Corners3{flat[0], flat[1], flat[2]}, {flat[0], flat[2], flat[3]}})
+      area += {area_of(triangle),
+               held_area(triangle, [&](const Vec3& p) { return is_inside(patch, p); })};
+    const Vec3 normal = cross(minus(corners_[2], corners_[0]), minus(corners_[3], corners_[1]));
+    const Vec3 link = minus(other, one);
+    const double sign =
+        dot(normal, link) * dot(normal, patch.normal) * dot(link, patch.normal) < 0 ? -1 : 1;
+    return {sign * area.opened, sign * area.blade};
+  }
+  Vec3 one, other;  ///< the centroids of the elements
+
+ private:
+  std::array<Vec3, 4> corners_;
+};
+
 /// What is_inside() finds inside is in it.
 Box box_around(const PlanePatch& patch) {
   Box polygon = no_box, box;
@@ -61,22 +117,28 @@ Box box_around(const PlanePatch& patch) {
 
 }  // namespace
 
-bool is_inside(const PlanePatch& patch, const Vec3& p) {
+bool is_inside(const PlanePatch& patch, const Vec3& p, double reach) {
   const Vec3 r = minus(p, patch.point);
-  if (!(dot(r, r) <= patch.radius * patch.radius)) return false;
-  return patch.polygon.empty() || is_in_polygon(patch, p);
+  const double radius = patch.radius + reach;
+  if (!(dot(r, r) <= radius * radius)) return false;
+  return patch.polygon.empty() || is_in_polygon(patch, p) ||
+         (reach > 0 && is_near_polygon(patch, p, reach));
 }
 
 std::vector<Dart> faces_across_patch(const CellComplex& complex, const double* rows,
                                      const PlanePatch& patch, std::size_t stride,
-                                     const ElementBlocks* blocks) {
+                                     const ElementBlocks* blocks, CutArea* area) {
   std::vector<Dart> faces = faces_across_plane(complex, rows, patch.point, patch.normal, stride,
                                                blocks, box_around(patch));
   if (std::isinf(patch.radius) && patch.polygon.empty()) return faces;
   std::erase_if(faces, [&](Dart face) {
-    const Vec3 a = centroid(complex.vertices_of(element_of(face)), rows, stride);
-    const Vec3 b = centroid(complex.vertices_of(element_of(complex.beta3(face))), rows, stride);
-    return !is_inside(patch, crossing(patch, a, b));
+    const FaceAcross across(complex, rows, stride, face);
+    const bool is_cut = is_inside(patch, crossing(patch, across.one, across.other), across.reach());
+    if (area) {
+      const CutArea own = across.area_on(patch);
+      *area += {is_cut ? own.opened : 0, own.blade};
+    }
+    return !is_cut;
   });
   return faces;
 }

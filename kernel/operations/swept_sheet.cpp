@@ -134,7 +134,8 @@ class SweptSheet::Front final : public Blade {
         stroke_);
   }
   bool is_endless() const override { return false; }
-  bool holds(const Vec3& place) const override { return sheet_.holds(place); }
+  bool holds(const Vec3& place, double reach) const override { return sheet_.holds(place, reach); }
+  bool is_measured() const override { return false; }
   Earlier earlier_cut(Index element, const std::vector<double>& heights) const override {
     return slit_.earlier_cut(element, heights, stroke_);
   }

@@ -104,6 +104,19 @@ TEST_F(Events, ADiscCutsWhereItIs) {
   EXPECT_EQ(apply(CutPlane{{0.5, 0, 0}, {1, 0, 0}, 0.1}).faces_cut, 1u);
 }
 
+TEST_F(Events, ACutStatesTheAreaOfItsBladeAndWarnsWhereItDiffers) {
+  const EventOutcome outcome = apply(CutPlane{{0.5, 0, 0}, {1, 0, 0}, 0.1});
+  EXPECT_NEAR(outcome.area.opened, 1 / 64.0, 1e-12);
+  EXPECT_NEAR(outcome.area.blade, M_PI / 4 * 0.01, 0.05 * M_PI / 4 * 0.01);
+  EXPECT_NE(outcome.text().find("cut 1 face (0.0156 of the 0.00"), std::string::npos)
+      << outcome.text();
+  expect_warning("/now opened 0.0156 of the 0.00");
+  const EventOutcome whole = apply(CutPlane{{0.25, 0, 0}, {1, 0, 0}, 0.5});
+  EXPECT_NEAR(whole.area.opened, 1 / 16.0, 1e-12);
+  EXPECT_NEAR(whole.area.blade, 1 / 16.0, 1e-12);
+  EXPECT_EQ(warnings().size(), 1u);
+}
+
 TEST_F(Events, APlaneThatMissesWarnsAndNoMore) {
   EXPECT_EQ(apply(CutPlane{{3, 0, 0}, {1, 0, 0}}).text(), "");
   expect_warning("/now cut no face: the blade misses the body");

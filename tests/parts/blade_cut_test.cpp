@@ -150,6 +150,58 @@ TEST(blade_cut, elements_outside_a_polygon_stay_whole) {
   EXPECT_NEAR(box.volume(), 216, 1e-10);
 }
 
+// Along each axis, on either side, in both directions and nearly there: a row is not lost.
+TEST(blade_cut, a_polygon_that_ends_on_grid_planes_divides_up_to_them) {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const double off : {0.0, 1e-14, -1e-14, 0.013, -0.013})
+      for (const double height : {2.4, 2.0})
+        for (const bool is_surface : {false, true}) {
+          SCOPED_TRACE(std::to_string(axis) + ' ' + std::to_string(off) + ' ' +
+                       std::to_string(height) + (is_surface ? " surface" : " polygon"));
+          CutBox box({6, 6, 6});
+          const auto at = [&](double u, double v) {
+            Vec3 place;
+            place[axis] = height;
+            place[(axis + 1) % 3] = u;
+            place[(axis + 2) % 3] = v;
+            return place;
+          };
+          const double low = 1 - off, high = 4 + off;
+          const std::vector<Vec3> polygon{at(low, low), at(high, low), at(high, high),
+                                          at(low, high)};
+          Vec3 normal{};
+          normal[axis] = 1;
+          const BladeCut cut =
+              is_surface ? box.cut(SurfacePatch(
+                               TriangleSurface{"square", polygon, {{0, 1, 2}, {0, 2, 3}}}))
+                         : box.cut({.point = polygon[0], .normal = normal, .polygon = polygon});
+          EXPECT_EQ(cut.divided + cut.cloning.cut.size(), 9u);
+          EXPECT_NEAR(cut.area.opened, 9, 1e-9);
+          EXPECT_NEAR(cut.area.blade, 9, 0.4);
+          EXPECT_NO_THROW(box.complex.validate());
+        }
+}
+
+// The opened elements are those that the disc holds, by their corners, and the area of both is
+// that of the figures.
+TEST(blade_cut, a_disc_says_how_much_of_it_has_been_opened) {
+  for (const double height : {5.3, 5.0})
+    for (const double radius : {1.5, 2.3, 4.6}) {
+      SCOPED_TRACE(radius);
+      CutBox box({10, 10, 10});
+      const BladeCut cut =
+          box.cut({.point = {5, 5, height}, .normal = {0, 0, 1}, .radius = radius});
+      double whole = 0;
+      for (int x = 0; x < 5; ++x)
+        for (int y = 0; y < 5; ++y) whole += std::hypot(x + 1, y + 1) <= radius + 0.02 ? 4 : 0;
+      if (height == 5.3) {
+        EXPECT_NEAR(cut.area.opened, whole, 1e-9);
+      }
+      EXPECT_NEAR(cut.area.opened, double(cut.divided + cut.cloning.cut.size()), 1e-9);
+      EXPECT_NEAR(cut.area.blade, 3.14159 * radius * radius, 0.06 * 3.14159 * radius * radius);
+    }
+}
+
 // Discs that end inside the box and cross each other: elements around their rims are left whole.
 TEST(blade_cut, random_discs_keep_volume_surface_and_map) {
   for (unsigned seed = 1; seed <= (std::getenv("SUTURE_FULL") ? 2000u : 40u) && !HasFatalFailure();

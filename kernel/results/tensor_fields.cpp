@@ -10,6 +10,7 @@
 #include "kernel/base/zeroed_vector.hpp"
 #include "kernel/plugin_host/output_fields.hpp"
 #include "kernel/results/nodal_stress.hpp"
+#include "kernel/results/stress_groups.hpp"
 
 namespace suture {
 namespace {
@@ -100,25 +101,6 @@ FieldChoice principal(const FieldChoice& tensor, std::string name) {
   return field;
 }
 
-/// The instance that the stress of each wanted element comes from, by element; `none` for elements
-/// without stress. `stress`: by element.
-ZeroedVector<Index> stress_groups(const FieldRequest& at, std::span<const double> stress) {
-  const auto& instances = at.attributes().instances();
-  std::vector<Index> provide;
-  for (Index i = 0; i < instances.size(); ++i)
-    if (provides_field(instances[i]->model(), 3, "stress", 6)) provide.push_back(i);
-  ZeroedVector<Index> group(at.complex().element_count());
-  const ShownCells elements = at.elements();
-  for (Index i = 0; i < elements.size(); ++i) {
-    const Index e = elements[i];
-    group[e] = none;
-    if (std::isnan(stress[std::size_t{6} * e])) continue;
-    for (const Index instance : provide)
-      if (instances[instance]->table(3).cells.row(e) != none) group[e] = instance;
-  }
-  return group;
-}
-
 /// The stresses of the wanted elements, by element; the rows of others take no memory.
 ZeroedVector<double> by_element(const FieldRequest& at, const FrameField& stress) {
   ZeroedVector<double> rows(std::size_t{6} * at.complex().element_count());
@@ -148,9 +130,10 @@ FieldChoice stress_at_nodes(const FieldChoice& stress) {
     const std::span<const double> stresses =
         at.piece ? std::span<const double>(rows) : elements.values;
     out.components = 6;
-    out.values = nodal_stress(at.complex(), at.attributes().position(), stresses,
-                              stress_groups(around, stresses), at.built.body().models().workers(),
-                              at.vertices());
+    out.values =
+        nodal_stress(at.complex(), at.attributes().position(), stresses,
+                     stress_groups(at.complex(), at.attributes(), stresses, around.elements()),
+                     at.built.body().models().workers(), at.vertices());
   };
   return field;
 }

@@ -9,6 +9,8 @@
 #include <random>
 
 #include "kernel/mesh/box.hpp"
+#include "kernel/results/fields.hpp"
+#include "kernel/results/stress_groups.hpp"
 #include "tests/run/differing_values.hpp"
 #include "tests/run/events.hpp"
 #include "tests/run/host.hpp"
@@ -99,6 +101,54 @@ TEST_P(Arrays, ATableGivesWhatTwoModelsGive) {
     EXPECT_LT(largest_difference(one, two), is_static ? 1e-8 : 1e-10);
     EXPECT_GT(largest_difference(one, corners_after(what)), 1e-5);
     EXPECT_EQ(one, corners_after(with_table(what, GetParam().parameter, right, left)));
+  }
+}
+
+/// The nodal stress of a beam whose nodes were moved, sheared and bent.
+std::vector<double> nodal_stress_of(Scene scene) {
+  Diagnostics diagnostics;
+  BuiltScene built(scene, diagnostics);
+  Attributes& attributes = built.body().attributes();
+  for (Index v = 0; v < attributes.rest().size(); ++v) {
+    const double x = attributes.rest().get(v, 0), y = attributes.rest().get(v, 1);
+    for (const auto& [c, shift] : {std::pair(0, 0.02 * x + 0.05 * x * y), {1, 0.1 * x * x}})
+      attributes.position().set(v, c, attributes.rest().get(v, c) + shift);
+  }
+  std::vector<FrameField> fields;
+  const FieldChoice choice = field_named(all_fields(built), "nodal_stress", "");
+  fill_fields({choice}, choice.on, {built, {}, 0}, fields);
+  return fields.at(0).values;
+}
+
+// Stress jumps with the parameters, and a fit across the jump would be right on neither side.
+TEST(NodalStressOfATable, IsThatOfTwoModelsOnBothSidesOfAJump) {
+  for (const auto& [parameter, right, left] :
+       {std::tuple("E", 3e5, 1e3), {"E", 1e3, 3e5}, {"E", 3e5, 2.4e5}, {"nu", 0.1, 0.4}}) {
+    const Scene scene = beam(host(), "tm-faure", 8, 2, 2);
+    const auto one = nodal_stress_of(with_table(scene, parameter, right, left));
+    const auto two = nodal_stress_of(with_two_models(scene, parameter, right, left));
+    EXPECT_LT(largest_difference(one, two), 1e-6) << parameter << ' ' << right;
+  }
+}
+
+// A field that is smooth is not cut into single elements, however much it differs in all.
+TEST(StressGroups, AreOneWhereParametersAreSmooth) {
+  for (const double ratio : {1.05, 1.3, 1.9}) {
+    Scene scene = beam(host(), "tm-faure", 8, 2, 2);
+    CellValues& values = vary(scene.models[0], "E");
+    for (int i = 0; i < 8; ++i) {
+      Selection slab;
+      slab.what = Selection::InBox{{(i - 0.01) / 8, -1, -1}, {(i + 1.01) / 8, 2, 2}};
+      slab.path = "/slab";
+      values.parts.push_back({slab, {1e5 * std::pow(ratio, i)}});
+    }
+    Diagnostics diagnostics;
+    BuiltScene built(scene, diagnostics);
+    const CellComplex& complex = built.body().complex();
+    const std::vector<double> stress(std::size_t{6} * complex.element_count());
+    for (const Index group : stress_groups(complex, built.body().attributes(), stress,
+                                           ShownCells(complex.element_count())))
+      EXPECT_EQ(group, 0u) << ratio;
   }
 }
 

@@ -26,6 +26,9 @@ constexpr double eased = 0.0005;
 // off its target, and after so many refused if one is.
 constexpr unsigned enough_updates = 12, most_updates = 30;
 constexpr double gap_allowed = 0.01;
+// In equilibria, gaps with a force are at most this part of the deformation off: a small load makes
+// a small depth, whose share of the deformation does not become smaller with the load.
+constexpr double part_of_deformation = 1e-3;
 // Cosine of an angle between the normals of a contact before and after an update.
 constexpr double same_direction = 0.95;
 // A contact with a force stays until its point has left the place where it was found by more, in
@@ -483,8 +486,9 @@ bool MultiplierForces::simplify() {
 /// that are in balance.
 bool MultiplierForces::update(double time) {
   const double edge = contact_.mean_edge();
-  double off = 0, other = 0;
+  double off = 0, other = 0, off_with_force = 0;
   for_each_push(time, [&](const Push& push) {
+    if (push.pressure > 0) off_with_force = std::max(off_with_force, std::abs(push.gap));
     const double change = norm(minus(push.friction, push.last->friction)) / push.stiffness;
     off = std::max(off, std::abs(push.gap - push.target));
     other = std::max(other, push.holding < 1 ? 0 : change);
@@ -497,7 +501,9 @@ bool MultiplierForces::update(double time) {
   note_places();
   off = std::max(off, taken.depth);
   ++updates_;
-  const bool is_settled = std::max({off, other, taken.other}) <= tolerance * edge;
+  const bool is_near = std::max({off, other, taken.other}) <= tolerance * edge;
+  const bool is_settled = is_near && (!is_static_ || updates_ > enough_updates ||
+                                      off_with_force <= part_of_deformation * deformation());
   const bool is_enough = !is_static_ && updates_ > enough_updates && off <= gap_allowed * edge;
   if (!is_settled && !is_enough) {
     if (!is_static_ && updates_ > most_updates) refuse_gap(off, time);
@@ -508,6 +514,16 @@ bool MultiplierForces::update(double time) {
   pairs_ = pairs;
   is_listed_ = false;
   return false;
+}
+
+/// The size of the box around the displacements of all vertices: 0 for a body that has shifted, m.
+double MultiplierForces::deformation() const {
+  const double *x = attributes_.position().rows(), *rest = attributes_.rest().rows();
+  const LiveMask& live = attributes_.kernel(0).cells.live();
+  Box ways = no_box;
+  for (Index v = 0; v < attributes_.vertex_count(); ++v)
+    if (live[v]) include(ways, minus(row(x, v), row(rest, v)));
+  return diagonal_of(ways);
 }
 
 void MultiplierForces::refuse_gap(double off, double time) const {

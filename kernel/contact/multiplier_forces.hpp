@@ -89,7 +89,8 @@ namespace suture {
 /// and the sliding s since the start of the step, whose multipliers l and t converge to the forces:
 ///   p = max(0, l - k g),   q = t - k s,   |q| <= mu p,   f = p n + q
 /// When the equations are solved, update() sets l = p and t = q, and they are solved again, until
-/// gaps and sliding where it holds are below `tolerance` of an edge. So the stiffness k, a multiple
+/// gaps and sliding where it holds are below `tolerance` of an edge, and in equilibria gaps below
+/// 1e-3 of the deformation. So the stiffness k, a multiple
 /// of a bound on that of the body there and of mass / dt^2, affects the cost but not the result.
 ///
 /// Contacts between pieces are found before the equations are solved and again in update(); in
@@ -216,6 +217,7 @@ class MultiplierForces final : public ContactTerm,
   bool has_pair_of_edges(const std::array<Index, 2>& first,
                          const std::array<Index, 2>& second) const;
   void refuse_crossings(double time);
+  double deformation() const;
   [[noreturn]] void refuse_gap(double off, double time) const;
   void book_work(const std::vector<double>& forces, double dt);
   double heat(double time);

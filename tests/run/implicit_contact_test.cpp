@@ -74,6 +74,56 @@ TEST(StaticContact, ABlockOnAFloorIsThatWhichCameToRest) {
   EXPECT_LT(apart, 2e-4 * 0.1) << "of an edge; gaps are below 1e-4";
 }
 
+/// The mean way of the nodes at the top in an equilibrium, m.
+double way_of_top(Scene scene) {
+  find_equilibrium(scene, 1);
+  TestSimulation simulation(scene);
+  simulation.run();
+  Attributes& a = simulation.attributes();
+  double top = 0, way = 0;
+  for (Index v = 0; v < a.vertex_count(); ++v) top = std::max(top, a.rest().get(v, 2));
+  int count = 0;
+  for (Index v = 0; v < a.vertex_count(); ++v)
+    if (a.rest().get(v, 2) > top - 1e-9) {
+      way += a.position().get(v, 2) - a.rest().get(v, 2);
+      ++count;
+    }
+  return way / count;
+}
+
+// A body that lies somewhere sinks as if it were held there, however small the load is.
+TEST(StaticContact, AddsNoComplianceAtAnyLoad) {
+  for (const double g : {0.02, 2.0, 50.0})
+    for (const Index n : {2, 4})
+      for (const bool is_stack : {false, true}) {
+        const TemporaryFolder folder;
+        Scene lying = block_on_floor(n, {0, 0, -g}, 0);
+        if (is_stack)  // nu = 0: the halves do not slide on each other
+          lying.models[0].parameters[1] = 0;
+        Scene held = lying;
+        for (Scene* scene : {&lying, &held})
+          for (const auto& [side, bits] : {std::pair{"x0", 1}, {"y0", 2}}) {
+            Constraint& fix = scene->constraints.emplace_back();
+            fix.where.what = Selection::HalfSpace{
+                {0, 0, 0}, {side[0] == 'x' ? -1.0 : 0, side[0] == 'y' ? -1.0 : 0, 0}};
+            fix.components = static_cast<std::uint8_t>(bits);
+          }
+        held.contact.obstacles.clear();
+        Constraint& floor = held.constraints.emplace_back();
+        floor.where.what = Selection::HalfSpace{{0, 0, 0}, {0, 0, -1}};
+        floor.components = 4;
+        if (is_stack) {
+          lying.contact.pieces = true;
+          use_boxes(lying, folder,
+                    {{{0, 0, 0}, {0.4, 0.4, 0.1}, {2 * n, 2 * n, n / 2}, {1, 1, 1}},
+                     {{0, 0, 0.1}, {0.4, 0.4, 0.1}, {2 * n, 2 * n, n / 2}, {1, 1, 1}}});
+        }
+        const double expected = way_of_top(held);
+        EXPECT_NEAR(way_of_top(lying) / expected, 1, 3e-3)
+            << g << " m/s^2, " << n << (is_stack ? " stack" : " block");
+      }
+}
+
 /// To the bit, and with friction in these steps.
 void expect_the_same_after_a_rollback(Simulation& simulation, int steps, double dt) {
   Dynamics& dynamics = simulation.built().dynamics();

@@ -135,7 +135,7 @@ Scene viscous_bar(double viscosity, double end, bool follows_path) {
   scene.models =
       beam(host(), "mss-baudet", 4, 2, 0, {{"viscosity", viscosity}, {"nu", 0.25}}).models;
   scene.constraints[0].components = scene.constraints[1].components = 7;
-  scene.constraints[1].translation = {0.1, 0, 0};  // no path leads far: springs soften
+  scene.constraints[1].translation = {0.04, 0, 0};  // no path leads far: springs soften
   scene.constraints[1].ramp.to = end;
   scene.solver.end = end;
   scene.solver.dt = end / 2;
@@ -165,12 +165,12 @@ TEST(Static, AnEquilibriumDoesNotDependOnTheSpeedOfPrescribedMotions) {
     TestSimulation elastic(viscous_bar(0, 1, follows_path));
     elastic.run();
     const double reaction = reaction_at_the_grip(elastic);
-    EXPECT_GT(reaction, 1e3);
+    EXPECT_GT(reaction, 100);
     for (const double viscosity : {1.0, 10.0})
       for (const double end : {1.0 / 1024, 1.0, 1024.0}) {
         TestSimulation simulation(viscous_bar(viscosity, end, follows_path));
         simulation.run();
-        EXPECT_NEAR(simulation.mean_displacement(section_at(0.5))[0], 0.05, 1e-7)
+        EXPECT_NEAR(simulation.mean_displacement(section_at(0.5))[0], 0.02, 1e-7)
             << viscosity << ' ' << end;
         EXPECT_NEAR(reaction_at_the_grip(simulation), reaction, 1e-6 * reaction);
         EXPECT_EQ(simulation.energies().kinetic, 0);

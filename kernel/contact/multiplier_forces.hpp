@@ -90,8 +90,8 @@ namespace suture {
 ///   p = max(0, l - k g),   q = t - k s,   |q| <= mu p,   f = p n + q
 /// When the equations are solved, update() sets l = p and t = q, and they are solved again, until
 /// gaps and sliding where it holds are below `tolerance` of an edge, and in equilibria gaps below
-/// 1e-3 of the deformation. So the stiffness k, a multiple
-/// of a bound on that of the body there and of mass / dt^2, affects the cost but not the result.
+/// 1e-3 of the deformation. So the stiffness k, a multiple of a bound on that of the body there and
+/// of mass / dt^2, affects the cost but not the result.
 ///
 /// Contacts between pieces are found before the equations are solved and again in update(); in
 /// between, their vertices, weights and normals do not change, so that Newton's method has a fixed

@@ -70,12 +70,16 @@ void for_each_pair(Visit visit) {
 /// A normal that points inward takes r and s the other way round.
 void add_products(PressedPart& part, const SurfaceTriangle& triangle, const RestPlaces& rest,
                   const LoadProfile& profile) {
-  const HexahedronNodes nodes = rest.of(triangle.element);
-  for (const TrianglePoint& point : quadrature_points(triangle)) {
+  const auto factor = [&](const TrianglePoint& point) {
+    if (profile.points.empty()) return 1.0;
+    const HexahedronNodes nodes = rest.of(triangle.element);
     Vec3 place{};
     for (std::size_t a = 0; a < nodes.size(); ++a)
       place = plus(place, scaled(point.n[a], nodes[a]));
-    const double weight = point.weight * profile(place);
+    return profile(place);
+  };
+  for (const TrianglePoint& point : quadrature_points(triangle)) {
+    const double weight = point.weight * factor(point);
     for_each_pair([&](std::size_t pair, std::size_t b, std::size_t c) {
       const double product = weight * (point.n_s[b] * point.n_r[c] - point.n_r[b] * point.n_s[c]);
       for (std::size_t a = 0; a < PressedPart::node_count; ++a)

@@ -46,9 +46,10 @@
 // - A vertex that is inside at the start is moved out by 2 % of its depth per step, by at most 1 %
 //   of an element. Resolving the depth at once would eject the body at up to 0.6 of the wave
 //   speed.
-// - Depths come back at a speed that does not grow as dt falls: a step that is a tenth of the
-//   longest one so far takes back a tenth of that. Small pieces that are squeezed make dt short,
-//   and so does fast approach. With a fixed way per step, shorter steps threw them ever faster.
+// - Depths in obstacles and of embedded surfaces come back at a speed that does not grow as dt
+//   falls: a step that is a tenth of the longest one so far takes back a tenth of that. Small
+//   pieces that are squeezed make dt short, and so does fast approach. With a fixed way per step,
+//   shorter steps threw them ever faster.
 // - An automatic dt is limited so that no obstacle moves by more than a tenth of the shortest
 //   edge. A fixed dt above one edge is refused: the obstacle could jump over a surface.
 //

@@ -516,16 +516,6 @@ bool MultiplierForces::update(double time) {
   return false;
 }
 
-/// The size of the box around the displacements of all vertices: 0 for a body that has shifted, m.
-double MultiplierForces::deformation() const {
-  const double *x = attributes_.position().rows(), *rest = attributes_.rest().rows();
-  const LiveMask& live = attributes_.kernel(0).cells.live();
-  Box ways = no_box;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v)
-    if (live[v]) include(ways, minus(row(x, v), row(rest, v)));
-  return diagonal_of(ways);
-}
-
 void MultiplierForces::refuse_gap(double off, double time) const {
   std::ostringstream text;
   text << "contact does not settle at " << time_text(time) << ": after " << most_updates

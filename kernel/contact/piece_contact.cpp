@@ -286,7 +286,7 @@ PieceContact::Touch PieceContact::touch_of(const std::array<Index, 5>& places,
   const double speed = dot(normal, sum_over(touch, attributes_.velocity().rows()));
   const double before = touch.before = end - dt_ * speed;
   const double most = edge_ * (is_between_edges(places) ? max_recovery_of_edges : max_recovery);
-  const double target = before < 0 ? before + eased_ * std::min(-recovered * before, most) : 0;
+  const double target = before < 0 ? before + std::min(-recovered * before, most) : 0;
   touch.speed = speed + (target - end) / dt_;
   return touch;
 }
@@ -295,8 +295,7 @@ bool PieceContact::sweep() {
   const double change = sweeps_.sweep(touches_, attributes_.velocity().rows(), options_.friction,
                                       dt_, negligible * precision_);
   if (precision_ == 0)
-    precision_ =
-        std::max(rounding_of_gaps * edge_, std::min(precision * eased_ * edge_, lag * change));
+    precision_ = std::max(rounding_of_gaps * edge_, std::min(precision * edge_, lag * change));
   return change > precision_;
 }
 

@@ -102,9 +102,6 @@ class PieceContact {
   bool may_touch(const NearPair& pair) const { return lists_.may_meet(pair); }
   bool may_touch(const NearEdges& pair) const { return lists_.may_meet(pair); }
 
-  /// Of what a step may take back of an earlier depth, it takes this part back.
-  void ease_recovery(double part) { eased_ = part; }
-
   using Touch = PieceTouch;
   /// Finds the contacts where a free step, which has been made, and the forces of the last one
   /// lead. In the step, dv = gain * force / mass. `moving`: vertices; what sleeps does not yield.
@@ -177,7 +174,7 @@ class PieceContact {
   const CellComplex& complex_;
   Attributes& attributes_;
   Options options_;
-  double edge_, dt_ = 0, gain_ = 0, eased_ = 1;
+  double edge_, dt_ = 0, gain_ = 0;
   NeighbourLists lists_;
   // In the step in progress, by place in the lists:
   std::vector<double> ends_;   ///< of vertices, where contacts are sought; rows of 4

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "kernel/run/inventory.hpp"
 
+#include <cmath>
 #include <sstream>
 
 #include "kernel/base/error.hpp"
@@ -19,7 +20,10 @@ std::string text_of(double value, const char* unit) {
   return text.str();
 }
 
-std::string text_of(const Vec3& v) {
+/// Components that are rounding are 0.
+std::string text_of(Vec3 v) {
+  for (const double least = 1e-12 * norm(v); double& component : v)
+    if (std::abs(component) <= least) component = 0;
   std::ostringstream text;
   text.precision(4);
   text << '[' << v[0] << ", " << v[1] << ", " << v[2] << "] N";

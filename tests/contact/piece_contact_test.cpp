@@ -177,18 +177,6 @@ TEST(Pieces, MayMeetWhereTheyAreHeld) {
   EXPECT_GT(farthest, 1e-4);
 }
 
-TEST(Pieces, ADepthComesBackNoFasterInShortSteps) {
-  Column pair(2, 0);
-  pair.run(pair.dt, 1);
-  pair.move(1, {0, 0, -0.005}, {});
-  pair.run(1e-4 * pair.dt, 1);
-  double fastest = 0;
-  for (Index v = 0; v < pair.body.attributes().vertex_count(); ++v)
-    fastest = std::max(fastest, norm(row(pair.body.attributes().velocity().rows(), v)));
-  EXPECT_GT(fastest, 0);
-  EXPECT_LT(fastest, 0.001 / pair.dt) << "a fifth of the depth in a step";
-}
-
 std::vector<PieceOverlap> overlaps_of(Column& column) {
   return find_piece_overlaps(column.contact, column.body.complex(), column.body.attributes());
 }

@@ -241,7 +241,9 @@ TEST(Apply, MakesAnOperationFromOutside) {
   CutPlane half{{0.5, 0, 0}, {1, 0, 0}};
   half.polygon = {{0.5, 0, -1}, {0.5, 0.125, -1}, {0.5, 0.125, 1}, {0.5, 0, 1}};
   simulation.apply(event_of(half), heard);
-  EXPECT_EQ(heard.lines, (std::vector<std::string>{"t = 0.05 s: cut 2 faces, 1 island"}));
+  EXPECT_EQ(heard.lines,
+            (std::vector<std::string>{"t = 0.05 s: cut 2 faces (0.0303 of the 0.0303 m^2 of the "
+                                      "blade in the body), 1 island"}));
   simulation.apply(event_of(CutPlane{{0.5, 0, 0}, {1, 0, 0}}), heard);
   EXPECT_EQ(heard.lines.back(), "t = 0.05 s: cut 2 faces, 2 islands");
   EXPECT_EQ(simulation.run(heard).faces_cut, 4u);

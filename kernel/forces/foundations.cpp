@@ -131,11 +131,13 @@ void Foundations::add_forces_in_step(const StepTimes& step, const LiveMask& live
 
 void Foundations::add_forces_at(const VertexSelection& selection, std::span<const Index> vertices,
                                 double, std::vector<Vec3>& forces) {
-  for (const Index v : vertices)
-    for (const Support& support : std::ranges::equal_range(supports_, v, {}, &Support::vertex)) {
+  for (const Index v : vertices) {
+    auto support = std::ranges::lower_bound(supports_, v, {}, &Support::vertex);
+    for (; support != supports_.end() && support->vertex == v; ++support) {
       Vec3& sum = forces[selection.slot(v)];
-      sum = plus(sum, force(support));
+      sum = plus(sum, force(*support));
     }
+  }
 }
 
 void Foundations::mark_vertices(std::vector<bool>& marks) const {

@@ -27,7 +27,8 @@ class PointSweeps {
     Row change;        ///< m/s
     Row inverse_mass;  ///< 0 in components that are held, 1/kg
   };
-  struct Contact {
+  /// Rows are aligned as clang takes references to vectors of four doubles to be.
+  struct alignas(32) Contact {
     Row velocity{};  ///< relative to the obstacle before the sweeps, m/s
     Row normal{};
     Row mass{};    ///< by component; where the point is fixed, as if it were free, kg
@@ -75,7 +76,7 @@ class PointSweeps {
   std::vector<Contact> contacts;
 
  private:
-  struct Direction {
+  struct alignas(32) Direction {
     Row direction{}, before{};
   };
   std::vector<Direction> of_vertices_, of_contacts_;

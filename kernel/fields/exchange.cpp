@@ -8,6 +8,8 @@
 namespace suture {
 
 const std::vector<double>& Exchange::rows(double time) {
+  if (adds_no_rows() || (!rows_.empty() && time == rows_time_)) return rows_;
+  rows_time_ = time;
   rows_.assign(std::size_t{attributes_.vertex_count()} * 4, 0);
   coefficients_.add_forces(time, attributes_.kernel(0).cells.live(), rows_.data());
   return rows_;
@@ -51,6 +53,16 @@ void Exchange::for_each_tangent(double dx, double, const TangentTime& at,
     for (std::size_t c = 0; c < 3; ++c) values[(c * 3 + c) * 8] = -dx * of[c];
     visit({1, 1, &v, values.data()});
   }
+}
+
+void Exchange::follow(const CellComplex& complex, const TopologyChange& change) {
+  coefficients_.follow(complex, change);
+  rows_.clear();
+}
+
+void Exchange::state(Archive& archive) {
+  coefficients_.state(archive);
+  rows_.clear();
 }
 
 }  // namespace suture

@@ -14,9 +14,10 @@ class Exchange final : public ForceTerm, public TangentTerm, public CellTangentT
   Exchange(Attributes& attributes, const Column& values)
       : attributes_(attributes), values_(values), coefficients_(attributes) {}
 
-  /// Coefficients h, as the components of a traction.
+  /// Coefficients h, as the components of a traction. To be added before the first step.
   DeadLoads& coefficients() { return coefficients_; }
-  /// The sums of h A at `time`, in rows of 4.
+  /// The sums of h A at `time`, in rows of 4; kept for the next call at the same time, as each
+  /// iteration of a linear solver makes one. Empty if there are no films.
   const std::vector<double>& rows(double time);
 
   const char* name() const override { return "exchange"; }
@@ -31,12 +32,15 @@ class Exchange final : public ForceTerm, public TangentTerm, public CellTangentT
                              float* out) override;
   void for_each_tangent(double dx, double dv, const TangentTime& at,
                         const VisitTangents& visit) override;
+  void follow(const CellComplex& complex, const TopologyChange& change) override;
+  void state(Archive& archive) override;
 
  private:
   Attributes& attributes_;
   const Column& values_;
   DeadLoads coefficients_;
-  std::vector<double> rows_;
+  std::vector<double> rows_;  ///< at rows_time_; empty: to be found
+  double rows_time_ = 0;      ///< s
 };
 
 }  // namespace suture

@@ -70,8 +70,7 @@ void FieldEquation::evaluate(double time) {
   if (!has_fluxes_) return;
   flux_rows_.assign(size, 0);
   fluxes_.add_forces(time, attributes_.kernel(0).cells.live(), flux_rows_.data());
-  if (!exchange_.adds_no_rows())
-    exchange_.add_forces(time, attributes_.kernel(0).cells.live(), flux_rows_.data());
+  exchange_.add_forces(time, attributes_.kernel(0).cells.live(), flux_rows_.data());
 }
 
 double FieldEquation::stable_step(double time) {
@@ -241,7 +240,7 @@ void FieldEquation::before_operation() { before_change_ = contents(); }
 void FieldEquation::follow(const CellComplex& complex, const TopologyChange& change) {
   rates_.follow(complex, change);
   fluxes_.follow(complex, change);
-  exchange_.coefficients().follow(complex, change);
+  exchange_.follow(complex, change);
   paths_of_.resize(vertices() * components_, 0);
   for (std::size_t c = 0; c < components_; ++c) {
     for (const Split& split : change.splits[0])
@@ -291,7 +290,7 @@ void FieldEquation::state(Archive& archive) {
   for (std::size_t c = 0; c < components_; ++c) add("start", c, start_[c]);
   archive("rates", rates_);
   archive("fluxes", fluxes_);
-  archive("exchange", exchange_.coefficients());
+  archive("exchange", exchange_);
   archive("paths", paths_of_);
   archive.require(paths_of_.size() == vertices() * components_,
                   "the prescribed vertices of a field differ");

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "kernel/base/box.hpp"
@@ -14,151 +13,13 @@
 #include "kernel/base/rows.hpp"
 #include "kernel/base/sort_unique.hpp"
 #include "kernel/base/vec3.hpp"
+#include "kernel/build/regions.hpp"
 #include "kernel/geometry/centroid.hpp"
 #include "kernel/parts/embedding.hpp"
 #include "kernel/parts/node_places.hpp"
 
 namespace suture {
 namespace {
-
-double tolerance_of(const Selection::Plane& plane, double diagonal) {
-  return plane.tolerance < 0 ? Selection::default_tolerance * diagonal : plane.tolerance;
-}
-
-/// The least distance of a box from a point, rounded down.
-double least_distance(const Box& box, const Vec3& p) {
-  Vec3 beside;
-  for (std::size_t a = 0; a < 3; ++a)
-    beside[a] = std::max({box.low[a] - p[a], 0.0, p[a] - box.high[a]});
-  return (1 - 1e-14) * norm(beside);
-}
-
-// Whether a point lies in a geometric selection. `diagonal`: of the mesh, m.
-struct Contains {
-  const Vec3& p;
-  double diagonal;
-  bool operator()(const Selection::All&) const { return true; }
-  bool operator()(const Selection::InBox& b) const {
-    for (int a = 0; a < 3; ++a) {
-      if (p[a] < b.min[a] || p[a] > b.max[a]) return false;
-    }
-    return true;
-  }
-  bool operator()(const Selection::Plane& s) const {
-    return std::abs(dot(minus(p, s.point), s.normal)) <= tolerance_of(s, diagonal) * norm(s.normal);
-  }
-  bool operator()(const Selection::HalfSpace& s) const {
-    return dot(minus(p, s.point), s.normal) >= 0;
-  }
-  bool operator()(const Selection::Sphere& s) const { return norm(minus(p, s.centre)) <= s.radius; }
-  bool operator()(const Selection::Cylinder& s) const {
-    const Vec3 axis = minus(s.to, s.from), r = minus(p, s.from);
-    const double length = norm(axis), along = dot(r, axis) / length, slack = 1e-14 * length;
-    return along >= -slack && along <= length + slack && norm(cross(r, axis)) <= s.radius * length;
-  }
-  bool operator()(const Selection::Combined& s) const {
-    const auto holds = [&](const Selection& part) { return std::visit(*this, part.what); };
-    if (s.how == Selection::Combined::How::all_of) return std::ranges::all_of(s.parts, holds);
-    return std::ranges::any_of(s.parts, holds) != (s.how == Selection::Combined::How::none_of);
-  }
-  bool operator()(const Selection::Nearest&) const { return false; }
-  bool operator()(const Selection::Ids&) const { return false; }
-  bool operator()(const Selection::Named&) const { return false; }
-};
-
-/// False only if no point of a box lies in a geometric selection.
-struct MayHold {
-  const Box& box;
-  double diagonal;
-  bool operator()(const Selection::All&) const { return true; }
-  bool operator()(const Selection::InBox& b) const { return overlap(box, {b.min, b.max}); }
-  bool operator()(const Selection::Plane& s) const {
-    const auto [low, high] = heights_of(box, s.point, s.normal);
-    const double reach = tolerance_of(s, diagonal) * norm(s.normal);
-    return low <= reach && high >= -reach;
-  }
-  bool operator()(const Selection::HalfSpace& s) const {
-    return heights_of(box, s.point, s.normal)[1] >= 0;
-  }
-  bool operator()(const Selection::Sphere& s) const {
-    return least_distance(box, s.centre) <= s.radius;
-  }
-  bool operator()(const Selection::Cylinder& s) const {
-    Box around{s.from, s.from};
-    include(around, s.to);
-    for (std::size_t a = 0; a < 3; ++a) around.low[a] -= s.radius, around.high[a] += s.radius;
-    return overlap(box, around);
-  }
-  bool operator()(const Selection::Combined& s) const {
-    const auto may_hold = [&](const Selection& part) { return std::visit(*this, part.what); };
-    if (s.how == Selection::Combined::How::all_of) return std::ranges::all_of(s.parts, may_hold);
-    return s.how == Selection::Combined::How::none_of || std::ranges::any_of(s.parts, may_hold);
-  }
-  bool operator()(const Selection::Nearest&) const { return false; }
-  bool operator()(const Selection::Ids&) const { return false; }
-  bool operator()(const Selection::Named&) const { return false; }
-};
-
-/// The first of those cells that are as near to a point as the nearest one, to within the tie.
-class NearestSearch {
- public:
-  explicit NearestSearch(const Selection::Nearest& wanted) : wanted_(wanted) {}
-
-  /// Looks at large blocks from the nearest one on, and so at the smaller ones of each.
-  template <class Place>
-  void look(const ElementBlocks* blocks, Index count, Place place) {
-    if (!blocks) return look_at(0, count, place);
-    look_in(*blocks, 0, 0, count, place);
-  }
-
-  std::vector<Index> found() const {
-    Index first = none;
-    for (const auto& [distance, cell] : candidates_)
-      if (distance <= nearest_ + wanted_.tie) first = std::min(first, cell);
-    return first == none ? std::vector<Index>{} : std::vector{first};
-  }
-
- private:
-  template <class Place>
-  void look_in(const ElementBlocks& blocks, std::size_t level, Index begin, Index end,
-               Place place) {
-    const Index size = ElementBlocks::sizes[level];
-    const auto box = [&](Index block) { return blocks.box(level, block); };
-    by_distance(begin / size, blocks_of(end, size), box, [&](Index block) {
-      const Index first = block * size, last = std::min(first + size, end);
-      if (level + 1 < ElementBlocks::levels)
-        look_in(blocks, level + 1, first, last, place);
-      else
-        look_at(first, last, place);
-    });
-  }
-  /// Calls visit(i) from the nearest box(i) on, up to those that are too far away.
-  template <class BoxOf, class Visit>
-  void by_distance(Index first, Index last, BoxOf box, Visit visit) {
-    std::vector<std::pair<double, Index>> order;
-    for (Index i = first; i < last; ++i)
-      order.emplace_back(least_distance(box(i), wanted_.point), i);
-    std::ranges::sort(order);
-    for (const auto& [distance, i] : order) {
-      if (distance > nearest_ + wanted_.tie) break;
-      visit(i);
-    }
-  }
-  template <class Place>
-  void look_at(Index first, Index last, Place place) {
-    for (Index cell = first; cell < last; ++cell)
-      if (const std::optional<Vec3> p = place(cell)) add(cell, norm(minus(*p, wanted_.point)));
-  }
-  void add(Index cell, double distance) {
-    if (!(distance <= nearest_ + wanted_.tie)) return;
-    nearest_ = std::min(nearest_, distance);
-    candidates_.emplace_back(distance, cell);
-  }
-
-  const Selection::Nearest& wanted_;
-  double nearest_ = std::numeric_limits<double>::infinity();
-  std::vector<std::pair<double, Index>> candidates_;
-};
 
 /// The box of a column of places.
 Box box_of(const Column& places) {
@@ -300,7 +161,7 @@ std::vector<Index> Selector::named_vertices(const Selection& selection,
 }
 
 bool Selector::contains(const Selection& selection, const Vec3& p) const {
-  return std::visit(Contains{p, diagonal_}, selection.what);
+  return lies_in(selection, p, diagonal_);
 }
 
 /// Cells selected by where they are, ascending: place(cell), which removed ones do not have.
@@ -315,9 +176,7 @@ std::vector<Index> Selector::located(const Selection& selection, Index count,
     search.look(blocks, count, place);
     return search.found();
   }
-  const auto may_hold = [&](const Box& box) {
-    return std::visit(MayHold{box, diagonal_}, selection.what);
-  };
+  const auto may_hold = [&](const Box& box) { return may_hold_some(selection, box, diagonal_); };
   SearchedElements(blocks, count, may_hold).for_each([&](Index cell) {
     const std::optional<Vec3> p = place(cell);
     if (p && contains(selection, *p)) result.push_back(cell);

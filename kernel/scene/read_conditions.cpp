@@ -33,30 +33,6 @@ void read_constraint(ObjectReader& object, Reading& reading) {
   reading.scene.constraints.push_back(std::move(constraint));
 }
 
-/// [[s, factor], ...], s in m.
-std::vector<std::array<double, 2>> read_profile_points(const JsonValue& value,
-                                                       const std::string& path,
-                                                       Mistakes& mistakes) {
-  std::vector<std::array<double, 2>> points;
-  const auto* items = read_array(value, path, "pairs [coordinate, factor]", mistakes);
-  for (std::size_t i = 0; items != nullptr && i < items->size(); ++i) {
-    const JsonValue& item = (*items)[i];
-    const std::string at = child_path(path, i);
-    if (item.kind != JsonValue::Kind::array || item.items.size() != 2) {
-      mistakes.add(item.at, at, "must be a coordinate in m and a factor, is " + describe(item));
-      continue;
-    }
-    const auto s = read_number(item.items[0], child_path(at, 0), Limits::any("m"), mistakes);
-    const auto factor = read_number(item.items[1], child_path(at, 1), Limits::any("1"), mistakes);
-    if (s && !points.empty() && *s <= points.back()[0])
-      mistakes.add(item.at, at, "must have a larger coordinate than the pair before");
-    points.push_back({s.value_or(0), factor.value_or(1)});
-  }
-  if (items != nullptr && items->size() < 2)
-    mistakes.add(value.at, path, "needs two pairs or more");
-  return points;
-}
-
 /// {"along": direction, "values": [[s, factor], ...]}
 LoadProfile read_profile(const JsonValue& value, const std::string& path, Mistakes& mistakes) {
   LoadProfile profile;
@@ -66,7 +42,11 @@ LoadProfile read_profile(const JsonValue& value, const std::string& path, Mistak
   profile.along = scaled(1 / norm(profile.along), profile.along);
   const JsonValue* values = object.require("values", "points [[m, factor], ...]");
   if (values != nullptr)
-    profile.points = read_profile_points(*values, object.path_of("values"), mistakes);
+    profile.points = read_ascending_pairs(
+        *values, object.path_of("values"),
+        {"pairs [coordinate, factor]", "a coordinate in m and a factor",
+         "must have a larger coordinate than the pair before", Limits::any("m"), Limits::any("1")},
+        mistakes);
   object.finish();
   return profile;
 }
@@ -114,6 +94,29 @@ std::uint8_t read_components(ObjectReader& object, const char* key) {
     object.complain(
         key, "must name components, each once: \"xyz\", \"xy\", \"z\", ...; is " + quote(text));
   return bits;
+}
+
+std::vector<std::array<double, 2>> read_ascending_pairs(const JsonValue& value,
+                                                        const std::string& path,
+                                                        const PairRules& rules,
+                                                        Mistakes& mistakes) {
+  std::vector<std::array<double, 2>> pairs;
+  const auto* items = read_array(value, path, rules.pairs, mistakes);
+  for (std::size_t i = 0; items != nullptr && i < items->size(); ++i) {
+    const JsonValue& item = (*items)[i];
+    const std::string at = child_path(path, i);
+    if (item.kind != JsonValue::Kind::array || item.items.size() != 2) {
+      mistakes.add(item.at, at, std::string("must be ") + rules.pair + ", is " + describe(item));
+      continue;
+    }
+    const auto x = read_number(item.items[0], child_path(at, 0), rules.first, mistakes);
+    const auto y = read_number(item.items[1], child_path(at, 1), rules.second, mistakes);
+    if (x && !pairs.empty() && *x <= pairs.back()[0]) mistakes.add(item.at, at, rules.order);
+    pairs.push_back({x.value_or(0), y.value_or(0)});
+  }
+  if (items != nullptr && items->size() < 2)
+    mistakes.add(value.at, path, "needs two pairs or more");
+  return pairs;
 }
 
 TimeRamp read_ramp(const JsonValue& value, const std::string& path, Mistakes& mistakes) {

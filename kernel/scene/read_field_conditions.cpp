@@ -51,23 +51,10 @@ std::vector<DeclaredField> declared_fields(const Scene& scene) {
 ValuePath read_path(const JsonValue& value, const std::string& path, const Limits& limits,
                     Mistakes& mistakes) {
   ValuePath result;
-  const auto* items = read_array(value, path, "pairs [time, value]", mistakes);
-  for (std::size_t i = 0; items != nullptr && i < items->size(); ++i) {
-    const JsonValue& item = (*items)[i];
-    const std::string at = child_path(path, i);
-    if (item.kind != JsonValue::Kind::array || item.items.size() != 2) {
-      mistakes.add(item.at, at, "must be a time in s and a value, is " + describe(item));
-      continue;
-    }
-    const auto time =
-        read_number(item.items[0], child_path(at, 0), Limits::not_negative("s"), mistakes);
-    const auto there = read_number(item.items[1], child_path(at, 1), limits, mistakes);
-    if (time && !result.stations.empty() && *time <= result.stations.back().at)
-      mistakes.add(item.at, at, "must be later than the one before");
-    result.stations.push_back({time.value_or(0), there.value_or(0)});
-  }
-  if (items != nullptr && items->size() < 2)
-    mistakes.add(value.at, path, "needs two pairs or more");
+  const PairRules rules{"pairs [time, value]", "a time in s and a value",
+                        "must be later than the one before", Limits::not_negative("s"), limits};
+  for (const auto& [time, there] : read_ascending_pairs(value, path, rules, mistakes))
+    result.stations.push_back({time, there});
   return result;
 }
 

@@ -51,6 +51,17 @@ SurfaceFile read_surface_file(ObjectReader& surface, Reading& reading);
 /// Points [[x, y, z], ...] in m, at least `least` of them.
 std::vector<Vec3> read_points(const JsonValue& value, const std::string& path, std::size_t least,
                               Mistakes& mistakes);
+/// What pairs of numbers [x, y] must be, and how messages name them.
+struct PairRules {
+  const char* pairs;     ///< "pairs [time, value]"
+  const char* pair;      ///< "a time in s and a value"
+  const char* order;     ///< what a pair breaks whose x is not larger than the x before
+  Limits first, second;  ///< of x and y
+};
+/// Pairs [[x, y], ...] with ascending x, at least two.
+std::vector<std::array<double, 2>> read_ascending_pairs(const JsonValue& value,
+                                                        const std::string& path,
+                                                        const PairRules& rules, Mistakes& mistakes);
 /// A box {"min", "max"} in m.
 Selection::InBox read_box(ObjectReader box);
 /// Pairs of element numbers [[4, 5], ...].

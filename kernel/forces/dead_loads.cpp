@@ -40,17 +40,9 @@ std::array<double, hexahedron::vertices> node_areas(const RestPlaces& rest,
                                                     const SurfaceTriangle& triangle,
                                                     const LoadProfile& profile) {
   std::array<double, hexahedron::vertices> areas{};
+  const HexahedronNodes nodes = rest.of(triangle.element);
   for (const TrianglePoint& point : quadrature_points(triangle)) {
-    Vec3 place{}, x_r{}, x_s{};
-    for (std::size_t a = 0; a < hexahedron::vertices; ++a) {
-      const double* x = rest.corner(triangle.element, static_cast<unsigned>(a));
-      for (std::size_t c = 0; c < 3; ++c) {
-        place[c] += point.n[a] * x[c];
-        x_r[c] += point.n_r[a] * x[c];
-        x_s[c] += point.n_s[a] * x[c];
-      }
-    }
-    const double area = point.weight * norm(cross(x_r, x_s)) * profile(place);
+    const double area = point.weight * norm(point.area(nodes)) * profile(point.place(nodes));
     for (std::size_t a = 0; a < hexahedron::vertices; ++a) areas[a] += point.n[a] * area;
   }
   return areas;

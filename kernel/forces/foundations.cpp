@@ -26,19 +26,14 @@ Vec3 product(const std::array<double, 6>& a, const Vector& u) {
 
 void Foundations::add(const CellComplex& complex, std::span<const Dart> faces,
                       const FoundationLaw& law) {
-  if (faces.empty()) throw InputError("a foundation acts on no face; select at least one");
-  laws_.push_back(law);
-  is_damped_ |= law.damping > 0;
-  const auto number = static_cast<Index>(laws_.size() - 1);
-  const std::vector<SurfaceTriangle> triangles = triangles_of_faces(faces);
-  for (std::size_t i = 0; i < triangles.size(); ++i)
-    patches_.push_back({triangles[i], number, faces[i / 2]});
-  build(complex);
+  const std::size_t first = patches_.size();
+  add(complex, triangles_of_faces(faces), law);
+  for (std::size_t i = first; i < patches_.size(); ++i) patches_[i].face = faces[(i - first) / 2];
 }
 
 void Foundations::add(const CellComplex& complex, std::span<const SurfaceTriangle> triangles,
                       const FoundationLaw& law) {
-  if (triangles.empty()) throw InputError("a foundation acts on no triangle; select at least one");
+  if (triangles.empty()) throw InputError("a foundation acts on no face; select at least one");
   laws_.push_back(law);
   is_damped_ |= law.damping > 0;
   for (const SurfaceTriangle& triangle : triangles)
@@ -52,12 +47,7 @@ void Foundations::add_supports(const Patch& patch, const RestPlaces& rest) {
   const Hexahedron& vertices = rest.complex().vertices_of(element);
   const FoundationLaw& law = laws_[patch.law];
   for (const TrianglePoint& point : quadrature_points(patch.triangle)) {
-    Vec3 x_r{}, x_s{};
-    for (std::size_t a = 0; a < nodes.size(); ++a) {
-      x_r = plus(x_r, scaled(point.n_r[a], nodes[a]));
-      x_s = plus(x_s, scaled(point.n_s[a], nodes[a]));
-    }
-    const Vec3 normal = cross(x_r, x_s);
+    const Vec3 normal = point.area(nodes);
     const double size = norm(normal);
     if (size == 0) continue;
     for (std::size_t a = 0; a < nodes.size(); ++a) {

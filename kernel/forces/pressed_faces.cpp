@@ -72,11 +72,7 @@ void add_products(PressedPart& part, const SurfaceTriangle& triangle, const Rest
                   const LoadProfile& profile) {
   const auto factor = [&](const TrianglePoint& point) {
     if (profile.points.empty()) return 1.0;
-    const HexahedronNodes nodes = rest.of(triangle.element);
-    Vec3 place{};
-    for (std::size_t a = 0; a < nodes.size(); ++a)
-      place = plus(place, scaled(point.n[a], nodes[a]));
-    return profile(place);
+    return profile(point.place(rest.of(triangle.element)));
   };
   for (const TrianglePoint& point : quadrature_points(triangle)) {
     const double weight = point.weight * factor(point);

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "kernel/base/vec3.hpp"
 #include "kernel/parts/embedding.hpp"
 
 namespace suture {
@@ -35,6 +36,18 @@ void state_of(Archive& archive, std::vector<SurfaceTriangle>& triangles);
 struct TrianglePoint {
   double weight;                      ///< the weights of the points sum to 1/2
   std::array<double, 8> n, n_r, n_s;  ///< of the nodes of the element: x = sum n x_a
+
+  /// Where it is if the nodes of its element are at x, m.
+  Vec3 place(const std::array<Vec3, 8>& x) const { return sum(n, x); }
+  /// dx/dr x dx/ds there, outward, m^2.
+  Vec3 area(const std::array<Vec3, 8>& x) const { return cross(sum(n_r, x), sum(n_s, x)); }
+
+ private:
+  static Vec3 sum(const std::array<double, 8>& factors, const std::array<Vec3, 8>& x) {
+    Vec3 total{};
+    for (std::size_t a = 0; a < x.size(); ++a) total = plus(total, scaled(factors[a], x[a]));
+    return total;
+  }
 };
 /// The points of a quadrature of degree 7: exact for a product of shape functions and area vectors.
 /// dx/dr x dx/ds points outward.

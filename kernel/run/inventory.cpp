@@ -43,15 +43,10 @@ Area area_of(const std::vector<SurfaceTriangle>& triangles, const RestPlaces& re
   for (const SurfaceTriangle& triangle : triangles) {
     const HexahedronNodes nodes = rest.of(triangle.element);
     for (const TrianglePoint& point : quadrature_points(triangle)) {
-      Vec3 place{}, along_r{}, along_s{};
-      for (std::size_t a = 0; a < nodes.size(); ++a) {
-        place = plus(place, scaled(point.n[a], nodes[a]));
-        along_r = plus(along_r, scaled(point.n_r[a], nodes[a]));
-        along_s = plus(along_s, scaled(point.n_s[a], nodes[a]));
-      }
-      const Vec3 part = scaled(point.weight, cross(along_r, along_s));
-      area.vector = plus(area.vector, scaled(profile(place), part));
-      area.weighted += profile(place) * norm(part);
+      const Vec3 part = scaled(point.weight, point.area(nodes));
+      const double factor = profile(point.place(nodes));
+      area.vector = plus(area.vector, scaled(factor, part));
+      area.weighted += factor * norm(part);
       area.size += norm(part);
     }
   }

@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <sstream>
 #include <string>
 #include <tuple>
 #include <utility>
 
+#include "kernel/base/box.hpp"
 #include "kernel/base/error.hpp"
 #include "kernel/base/message_text.hpp"
-#include "kernel/solvers/links.hpp"
 
 namespace suture {
 namespace {
@@ -29,17 +28,8 @@ constexpr double gap_allowed = 0.01;
 // In equilibria, gaps with a force are at most this part of the deformation off: a small load makes
 // a small depth, whose share of the deformation does not become smaller with the load.
 constexpr double part_of_deformation = 1e-3;
-// Cosine of an angle between the normals of a contact before and after an update.
-constexpr double same_direction = 0.95;
-// A contact with a force stays until its point has left the place where it was found by more, in
-// typical edges.
-constexpr double kept_within = 0.01;
 // From one iteration of Newton's method to the next.
 constexpr double fading = 0.1;
-
-Vec3 along_surface(const Vec3& a, const Vec3& normal) {
-  return minus(a, scaled(dot(a, normal), normal));
-}
 
 }  // namespace
 
@@ -63,22 +53,6 @@ void MultiplierForces::resize() {
 
 // ------------------------------------------------------------------- pushes --
 
-template <class Number>
-Vec3 MultiplierForces::Push::sum(const Number* rows, std::size_t width) const {
-  Vec3 total{};
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      total[c] += weights[i] * double{rows[width * vertices[i] + c]};
-  return total;
-}
-
-template <class Number>
-void MultiplierForces::Push::add(const Vec3& force, Number* rows, std::size_t width) const {
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    for (std::size_t c = 0; c < 3; ++c)
-      rows[width * vertices[i] + c] += static_cast<Number>(weights[i] * force[c]);
-}
-
 double MultiplierForces::stiffening() const {
   return is_static_ ? stiffening_of_equilibria : stiffening_of_steps;
 }
@@ -100,16 +74,6 @@ double MultiplierForces::target(double gap, double start_gap, double stiffness, 
 double MultiplierForces::stiffness_per_mass(double time) const {
   const double dt = time - start_time_;
   return is_static_ || start_.empty() || !(dt > 0) ? 0 : stiffening() / (dt * dt);
-}
-
-/// visit(push) for everything that is pushed, and between equilibria for what touches without a
-/// force: its tangent holds a body that lies there. Newton's method is slow with the tangent of a
-/// force that is not there, so that it fades with the iterations; and between pieces it ends where
-/// they move away, as lips often touch without a force.
-template <class Visit>
-void MultiplierForces::for_each_push(double time, Visit visit) {
-  if (!is_listed(time)) list_pushes(time);
-  for (const Push& push : listed_) visit(push);
 }
 
 /// At these positions: linear solvers ask for the same pushes in each of their iterations.
@@ -267,150 +231,6 @@ double MultiplierForces::heat(double time) {
   return heat;
 }
 
-// ------------------------------------------------------------------ tangents --
-
-/// With p' = -k n and, where it slides, q' = mu p' t + holding (-k) (1 - n n^T - t t^T), t the
-/// direction of friction, and p n' where an obstacle is round: a soft body that a sphere presses
-/// feels that as much as its own stiffness. Without what n' does to friction, and without the
-/// derivative of friction by the pressure, which is not symmetric.
-Vec3 MultiplierForces::Push::tangent(const Vec3& d) const {
-  const Vec3 along = along_surface(d, normal), &straight = curvature.straight;
-  const Vec3 normal_part = plus(
-      scaled(-stiffness * pressing * dot(normal, d), normal),
-      scaled(pressure * curvature.per_metre, minus(along, scaled(dot(straight, along), straight))));
-  if (coefficient == 0) return normal_part;
-  const Vec3 turning = minus(along, scaled(dot(direction, along), direction));
-  return plus(normal_part, scaled(-stiffness * holding, turning));
-}
-
-Vec3 MultiplierForces::Push::skew_tangent(const Vec3& d) const {
-  return scaled(-stiffness * coefficient * dot(normal, d), direction);
-}
-
-bool MultiplierForces::is_conservative(double) {
-  if (bounds_stay_) return true;
-  return !(contact_.friction_of_pieces() > 0) &&
-         std::ranges::all_of(contact_.obstacles(),
-                             [](const Obstacle& obstacle) { return obstacle.friction == 0; });
-}
-
-void MultiplierForces::add_tangent(const double* d, double dx, double, const TangentTime& at,
-                                   double* out) {
-  for_each_push(at.time, [&](const Push& push) {
-    push.add(scaled(dx, push.tangent(push.sum(d, 3))), out, 3);
-  });
-}
-
-void MultiplierForces::add_skew_tangent(const double* d, double dx, const TangentTime& at,
-                                        double* out) {
-  if (bounds_stay_) return;
-  for_each_push(at.time, [&](const Push& push) {
-    push.add(scaled(dx, push.skew_tangent(push.sum(d, 3))), out, 3);
-  });
-}
-
-bool MultiplierForces::add_tangent_in_single(const float* d, double dx, double,
-                                             const TangentTime& at, float* out) {
-  for_each_push(at.time, [&](const Push& push) {
-    push.add(scaled(dx, push.tangent(push.sum(d, 4))), out, 4);
-  });
-  return true;
-}
-
-/// Between pieces as links: cells of 8 nodes. The last ones do not count if there are fewer; if
-/// there are more, those with the largest weights do, as the matrix only preconditions.
-void MultiplierForces::for_each_tangent(double dx, double, const TangentTime& at,
-                                        const VisitTangents& visit) {
-  std::vector<Index> vertices;
-  std::vector<std::size_t> order;  // of the vertices of a push
-  std::vector<double> values;
-  for_each_push(at.time, [&](const Push& push) {
-    const bool is_link = push.obstacle == Contact::between_pieces;
-    order.resize(push.vertices.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    if (order.size() > 8)
-      std::ranges::stable_sort(order, std::ranges::greater{},
-                               [&](std::size_t i) { return std::abs(push.weights[i]); });
-    const std::size_t used = std::min<std::size_t>(order.size(), 8), nodes = is_link ? 8 : used;
-    vertices.assign(nodes, push.vertices[order[used - 1]]);
-    for (std::size_t i = 0; i < used; ++i) vertices[i] = push.vertices[order[i]];
-    values.assign(9 * nodes * nodes * 8, 0);  // one of 8 cells
-    for (std::size_t column = 0; column < 3 * used; ++column) {
-      Vec3 d{};
-      d[column % 3] = dx * push.weights[order[column / 3]];
-      const Vec3 f = push.tangent(d);
-      for (std::size_t r = 0; r < 3 * used; ++r)
-        values[(column * 3 * nodes + r) * 8] = push.weights[order[r / 3]] * f[r % 3];
-    }
-    visit(
-        {1, static_cast<Index>(nodes), vertices.data(), values.data(), is_link ? link_functor : 0});
-  });
-}
-
-// --------------------------------------------------------------------- pairs --
-
-/// The way of the vertex from the face, or of the first edge from the second one.
-Vec3 MultiplierForces::offset_of(const Pair& pair) const {
-  Vec3 sum{};
-  for (std::size_t i = 0; i < pair.vertices.size(); ++i)
-    sum = plus(sum, scaled(pair.weights[i], row(attributes_.position().rows(), pair.vertices[i])));
-  return sum;
-}
-
-/// Along its normal, at the start of the step.
-double MultiplierForces::start_gap_of(const Pair& pair) const {
-  if (start_.empty()) return 0;
-  Vec3 sum{};
-  for (std::size_t i = 0; i < pair.vertices.size(); ++i)
-    sum = plus(sum, scaled(pair.weights[i], row(start_.data(), pair.vertices[i])));
-  return dot(sum, pair.normal);
-}
-
-double MultiplierForces::target_of(const Pair& pair, double time) const {
-  const double gap = start_.empty() ? dot(pair.normal, offset_of(pair)) : 0;
-  return target(gap, pair.start_gap, pair.stiffness, pair.mass, pair.recovery, time);
-}
-
-/// Replaces the pairs; those of the same vertex or edge in about the same direction pass their
-/// multipliers on. In inner corners, where faces are equally near, rounding decides which of them
-/// is found: contacts with a force stay.
-MultiplierForces::Change MultiplierForces::take_over(Pairs found, double time) {
-  const auto is_before = [](const Pair& a, const Pair& b) { return is_found_before(a.key, b.key); };
-  const auto stays = [&](const Pair& pair) {
-    const Vec3 way = minus(along_surface(offset_of(pair), pair.normal), pair.beside);
-    return norm(way) < kept_within * contact_.mean_edge();
-  };
-  Change largest;
-  std::size_t first = 0;
-  for (Pair& pair : found) {
-    while (first < pairs_.size() && is_before(pairs_[first], pair)) ++first;
-    const Vec3 offset = offset_of(pair);
-    pair.start_gap = start_gap_of(pair);
-    const double gap = dot(pair.normal, offset) - target_of(pair, time);
-    pair.beside = along_surface(offset, pair.normal);
-    largest.depth = std::max(largest.depth, -gap);
-    for (std::size_t i = first; i < pairs_.size() && !is_before(pair, pairs_[i]); ++i) {
-      Pair& before = pairs_[i];
-      if (before.pressure == 0 || dot(before.normal, pair.normal) < same_direction) continue;
-      if (before.key != pair.key && stays(before)) continue;
-      static_cast<Multiplier&>(pair) = std::exchange(static_cast<Multiplier&>(before), {});
-      largest.other = std::max({largest.other, gap, norm(minus(offset, offset_of(before)))});
-      break;
-    }
-  }
-  for (const Pair& before : pairs_) {
-    if (before.pressure == 0) continue;
-    if (stays(before))
-      found.push_back(before);
-    else
-      largest.other = std::max(largest.other, before.pressure / (stiffening() * before.stiffness));
-  }
-  std::ranges::stable_sort(found, is_before);
-  pairs_ = std::move(found);
-  is_listed_ = false;
-  return largest;
-}
-
 // --------------------------------------------------------------------- steps --
 
 /// l = p, t = q.
@@ -516,6 +336,16 @@ bool MultiplierForces::update(double time) {
   return false;
 }
 
+/// The size of the box around the displacements of all vertices: 0 for a body that has shifted, m.
+double MultiplierForces::deformation() const {
+  const double *x = attributes_.position().rows(), *rest = attributes_.rest().rows();
+  const LiveMask& live = attributes_.kernel(0).cells.live();
+  Box ways = no_box;
+  for (Index v = 0; v < attributes_.vertex_count(); ++v)
+    if (live[v]) include(ways, minus(row(x, v), row(rest, v)));
+  return diagonal_of(ways);
+}
+
 void MultiplierForces::refuse_gap(double off, double time) const {
   std::ostringstream text;
   text << "contact does not settle at " << time_text(time) << ": after " << most_updates
@@ -543,13 +373,6 @@ bool MultiplierForces::hold(double time) {
       is_whole &= push.obstacle != Contact::between_pieces && push.coefficient == 0;
   });
   return is_whole;
-}
-
-void MultiplierForces::add_gap_tangent(const double* d, double time, double* out) {
-  for_each_push(time, [&](const Push& push) {
-    if (push.pressure > 0)
-      push.add(scaled(-push.stiffness * dot(push.normal, push.sum(d, 3)), push.normal), out, 3);
-  });
 }
 
 void MultiplierForces::accept() {

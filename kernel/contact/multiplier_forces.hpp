@@ -83,6 +83,11 @@
 
 namespace suture {
 
+/// The part of a vector along the surface of a normal.
+inline Vec3 along_surface(const Vec3& a, const Vec3& normal) {
+  return minus(a, scaled(dot(a, normal), normal));
+}
+
 /// Contact as forces with a tangent, for equations that are solved by Newton's method: implicit
 /// steps and equilibria. By an augmented Lagrangian (Simo and Laursen, Comput. Struct. 42 (1992)
 /// 97) at each vertex of an obstacle and each contact of PieceContact or PointPairs, with the gap g
@@ -248,5 +253,31 @@ class MultiplierForces final : public ContactTerm,
   // At the end of the last step, for its work: rows of 4; empty: no step yet.
   std::vector<double> last_force_, last_position_, last_velocity_;
 };
+
+template <class Number>
+Vec3 MultiplierForces::Push::sum(const Number* rows, std::size_t width) const {
+  Vec3 total{};
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      total[c] += weights[i] * double{rows[width * vertices[i] + c]};
+  return total;
+}
+
+template <class Number>
+void MultiplierForces::Push::add(const Vec3& force, Number* rows, std::size_t width) const {
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      rows[width * vertices[i] + c] += static_cast<Number>(weights[i] * force[c]);
+}
+
+/// visit(push) for everything that is pushed, and between equilibria for what touches without a
+/// force: its tangent holds a body that lies there. Newton's method is slow with the tangent of a
+/// force that is not there, so that it fades with the iterations; and between pieces it ends where
+/// they move away, as lips often touch without a force.
+template <class Visit>
+void MultiplierForces::for_each_push(double time, Visit visit) {
+  if (!is_listed(time)) list_pushes(time);
+  for (const Push& push : listed_) visit(push);
+}
 
 }  // namespace suture

@@ -15,6 +15,11 @@ namespace {
 // In typical edges: how deep a point that has passed a triangle must be behind it, and how far
 // convex edges must have passed each other, for a contact to be missed.
 constexpr double missed_depth = 0.05, missed_depth_of_edges = PieceContact::max_depth;
+// Cosine of an angle between the normals of a contact before and after an update.
+constexpr double same_direction = 0.95;
+// A contact with a force stays until its point has left the place where it was found by more, in
+// typical edges.
+constexpr double kept_within = 0.01;
 
 Vec3 normal_of(const double* x, Index a, Index b, Index c) {
   const Vec3 at = row(x, a);
@@ -32,6 +37,68 @@ std::vector<std::array<Index, 3>> halves_of(std::span<const BoundarySurface::Cor
 }
 
 }  // namespace
+
+/// The way of the vertex from the face, or of the first edge from the second one.
+Vec3 MultiplierForces::offset_of(const Pair& pair) const {
+  Vec3 sum{};
+  for (std::size_t i = 0; i < pair.vertices.size(); ++i)
+    sum = plus(sum, scaled(pair.weights[i], row(attributes_.position().rows(), pair.vertices[i])));
+  return sum;
+}
+
+/// Along its normal, at the start of the step.
+double MultiplierForces::start_gap_of(const Pair& pair) const {
+  if (start_.empty()) return 0;
+  Vec3 sum{};
+  for (std::size_t i = 0; i < pair.vertices.size(); ++i)
+    sum = plus(sum, scaled(pair.weights[i], row(start_.data(), pair.vertices[i])));
+  return dot(sum, pair.normal);
+}
+
+double MultiplierForces::target_of(const Pair& pair, double time) const {
+  const double gap = start_.empty() ? dot(pair.normal, offset_of(pair)) : 0;
+  return target(gap, pair.start_gap, pair.stiffness, pair.mass, pair.recovery, time);
+}
+
+/// Replaces the pairs; those of the same vertex or edge in about the same direction pass their
+/// multipliers on. In inner corners, where faces are equally near, rounding decides which of them
+/// is found: contacts with a force stay.
+MultiplierForces::Change MultiplierForces::take_over(Pairs found, double time) {
+  const auto is_before = [](const Pair& a, const Pair& b) { return is_found_before(a.key, b.key); };
+  const auto stays = [&](const Pair& pair) {
+    const Vec3 way = minus(along_surface(offset_of(pair), pair.normal), pair.beside);
+    return norm(way) < kept_within * contact_.mean_edge();
+  };
+  Change largest;
+  std::size_t first = 0;
+  for (Pair& pair : found) {
+    while (first < pairs_.size() && is_before(pairs_[first], pair)) ++first;
+    const Vec3 offset = offset_of(pair);
+    pair.start_gap = start_gap_of(pair);
+    const double gap = dot(pair.normal, offset) - target_of(pair, time);
+    pair.beside = along_surface(offset, pair.normal);
+    largest.depth = std::max(largest.depth, -gap);
+    for (std::size_t i = first; i < pairs_.size() && !is_before(pair, pairs_[i]); ++i) {
+      Pair& before = pairs_[i];
+      if (before.pressure == 0 || dot(before.normal, pair.normal) < same_direction) continue;
+      if (before.key != pair.key && stays(before)) continue;
+      static_cast<Multiplier&>(pair) = std::exchange(static_cast<Multiplier&>(before), {});
+      largest.other = std::max({largest.other, gap, norm(minus(offset, offset_of(before)))});
+      break;
+    }
+  }
+  for (const Pair& before : pairs_) {
+    if (before.pressure == 0) continue;
+    if (stays(before))
+      found.push_back(before);
+    else
+      largest.other = std::max(largest.other, before.pressure / (stiffening() * before.stiffness));
+  }
+  std::ranges::stable_sort(found, is_before);
+  pairs_ = std::move(found);
+  is_listed_ = false;
+  return largest;
+}
 
 MultiplierForces::Pair MultiplierForces::pair_of(const std::array<Index, 5>& key,
                                                  const ContactPoint& offset, const Vec3& normal,
@@ -137,16 +204,6 @@ void MultiplierForces::refuse_crossings(double time) {
        << " m behind another one, " << passed->depth / edge
        << " of a typical edge, where contact is not found";
   throw NumericalError(text.str());
-}
-
-/// The size of the box around the displacements of all vertices: 0 for a body that has shifted, m.
-double MultiplierForces::deformation() const {
-  const double *x = attributes_.position().rows(), *rest = attributes_.rest().rows();
-  const LiveMask& live = attributes_.kernel(0).cells.live();
-  Box ways = no_box;
-  for (Index v = 0; v < attributes_.vertex_count(); ++v)
-    if (live[v]) include(ways, minus(row(x, v), row(rest, v)));
-  return diagonal_of(ways);
 }
 
 }  // namespace suture

@@ -30,8 +30,8 @@ constexpr double first_forcing = 0.1, least_forcing = 1e-3;
 // The order of convergence that they allow. With 2, systems are solved more accurately than they
 // describe the next state: rotations leave more.
 constexpr double forcing_order = 1.3;
-// The part of its first residual to which the equations are solved while constraints have yet to be
-// updated: multipliers that are not the last ones need no more.
+// The part of their first residual to which the equations are solved before an update of
+// constraints: the update replaces the multipliers for which they were solved.
 constexpr double worth_an_update = 0.1;
 // The part of the tolerance that the linear solve of the last iteration may leave.
 constexpr double part_of_tolerance = 0.7;
@@ -382,7 +382,7 @@ bool Newton::is_at_rounding(const StepEquations& equations, double residual) {
 double Newton::forcing(const Progress& progress) const {
   if (progress.residual == 0) return first_forcing;  // only what is prescribed has to move
   const double enough = part_of_tolerance * tolerance_ * scale_ / progress.residual;
-  if (progress.iterations == 0 && worth_ == 0 && has_multipliers_)  // multipliers are the last ones
+  if (progress.iterations == 0 && worth_ == 0 && has_multipliers_)  // after the last update
     return std::clamp(enough, least_forcing, first_forcing);
   if (progress.iterations == 0)
     return enough < within_reach ? first_forcing : std::min(enough, first_forcing);
